@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "api/analyze/analyze.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <utility>
 
 #include "api/input/negotiation.h"
+#include "api/input/point_reader.h"
 #include "api/input/polygon_reader.h"
 #include "api/output/json_writer.h"
 #include "api/output/spectrum_plot.h"
@@ -16,45 +19,88 @@
 namespace ccdt::api {
 namespace {
 
-using Set = std::vector<Point>;
-
 constexpr Interval kFrequencies = {.min = 1, .max = 16};
 constexpr double kPixelsPerUnit = 2;  // resolution of a plot as PNG, pixels per user unit
 
 /// A request that is being parsed. Its options have been read, but their combination has not been checked yet.
 struct Draft {
     AnalyzeRequest request;
-    std::optional<Set> points;
-    std::optional<std::vector<Set>> sets;
+    std::optional<AnySets> points;  ///< one set
+    std::optional<AnySets> sets;
+    std::optional<std::variant<Rectangle, BoxDomain3>> domain;
+    std::optional<double> max_frequency;
 };
 
-Result<std::vector<Set>> read_sets(const Input& input) {
-    const auto list = std::get<JsonValue>(input.value);
-    if (!list.is_array()) return malformed(input, "must be a list of sets of points");
-    std::vector<Set> sets;
-    for (const JsonValue element : list) {
-        const std::string pointer = pointer_below(input.field, sets.size());
-        auto set = read_ring({pointer, pointer, element});
-        if (!set) return tl::unexpected(set.error());
-        sets.push_back(*std::move(set));
+/// Whether the first position of a list has three coordinates.
+bool is_in_space(JsonValue list) {
+    if (!list.is_array() || list.size() == 0) return false;
+    const JsonValue first = *list.begin();
+    return first.is_array() && first.size() == 3;
+}
+
+Result<void> append_set(const Input& input, const Limits&, PlaneSets& given) {
+    return assign(given.sets.emplace_back(), read_ring(input));
+}
+Result<void> append_set(const Input& input, const Limits& limits, SpaceSets& given) {
+    return assign(given.sets.emplace_back(), read_space_points(input, limits));
+}
+
+/// Reads sets of points. The first set determines whether all are in space.
+Result<AnySets> read_lists(std::span<const Input> inputs, const Limits& limits) {
+    AnySets sets;
+    if (!inputs.empty() && is_in_space(std::get<JsonValue>(inputs.front().value))) sets = SpaceSets();
+    for (const Input& input : inputs) {
+        auto appended = std::visit([&](auto& given) { return append_set(input, limits, given); }, sets);
+        if (!appended) return tl::unexpected(std::move(appended.error()));
     }
     return sets;
 }
 
+Result<AnySets> read_sets(const Input& input, const Limits& limits) {
+    const auto list = std::get<JsonValue>(input.value);
+    if (!list.is_array()) return malformed(input, "must be a list of sets of points");
+    std::vector<Input> inputs;
+    for (const JsonValue element : list) {
+        const std::string pointer = pointer_below(input.field, inputs.size());
+        inputs.push_back({pointer, pointer, element});
+    }
+    return read_lists(inputs, limits);
+}
+
+Result<void> read_domain(const Input& input, std::optional<std::variant<Rectangle, BoxDomain3>>& domain) {
+    const auto object = std::get<JsonValue>(input.value);
+    const auto type = object.is_object() ? object.find("type") : std::nullopt;
+    const bool is_box = type && type->is_string() && type->text() == "box";
+    if (is_box || (object.is_object() && object.find("depth"))) return assign(domain, read_box(input));
+    return assign(domain, read_rectangle(input));
+}
+
 constexpr std::array<OptionRule<Draft>, 6> kRules = {{
-    {"points", [](const Input& i, const Limits&, Draft& d) { return assign(d.points, read_ring(i)); }},
-    {"sets", [](const Input& i, const Limits&, Draft& d) { return assign(d.sets, read_sets(i)); }},
-    {"domain", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.domain, read_rectangle(i)); }},
+    {"points",
+     [](const Input& i, const Limits& l, Draft& d) {
+         return assign(d.points, read_lists({&i, 1}, l));
+     }},
+    {"sets", [](const Input& i, const Limits& l, Draft& d) { return assign(d.sets, read_sets(i, l)); }},
+    {"domain", [](const Input& i, const Limits&, Draft& d) { return read_domain(i, d.domain); }},
     {"spectrum", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.spectrum, read_boolean(i)); }},
-    {"max_frequency", [](const Input& i, const Limits&,
-                         Draft& d) { return assign(d.request.options.max_frequency, read_number(i, kFrequencies)); }},
+    {"max_frequency",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.max_frequency, read_number(i, kFrequencies)); }},
     {"format", [](const Input& i, const Limits&,
                   Draft& d) { return assign(d.request.format, read_format(i, analyze_formats())); }},
 }};
 
+std::size_t count_points(const AnalyzeRequest& request) {
+    return std::visit(
+        [](const auto& given) {
+            std::size_t points = 0;
+            for (const auto& set : given.sets) points += set.size();
+            return points;
+        },
+        request.points);
+}
+
 Result<void> check_count(const AnalyzeRequest& request, const Limits& limits) {
-    std::size_t points = 0;
-    for (const Set& set : request.sets) points += set.size();
+    const std::size_t points = count_points(request);
     if (points <= limits.max_sites) return {};
     return failure(ErrorCode::LimitExceeded,
                    "there are " + std::to_string(points) + " points; this server's limit (max-sites) is " +
@@ -68,34 +114,56 @@ Result<void> settle_points(Draft& draft, const Limits& limits) {
     }
     AnalyzeRequest& request = draft.request;
     request.single = draft.points.has_value();
-    if (request.single) {
-        request.sets.push_back(*std::move(draft.points));
-    } else {
-        request.sets = *std::move(draft.sets);
-    }
+    request.points = request.single ? *std::move(draft.points) : *std::move(draft.sets);
+    const bool is_right = std::visit(
+        [&](auto& given) {
+            request.options.max_frequency = draft.max_frequency.value_or(given.kMaxFrequency);
+            if (!draft.domain) return true;
+            const auto* const domain = std::get_if<decltype(given.domain)>(&*draft.domain);
+            if (domain != nullptr) given.domain = *domain;
+            return domain != nullptr;
+        },
+        request.points);
+    if (!is_right)
+        return failure(ErrorCode::Malformed, "domain must have a depth if and only if points have three coordinates",
+                       "/domain");
     return check_count(request, limits);
 }
 
 /// Converts the field of an error of analyse() to a JSON Pointer in the request.
 std::string pointer_to(const AnalyzeRequest& request, std::string_view field) {
+    if (field == "/domain") return std::string(field);  // of make_domain()
     if (!field.empty() && field.front() != '/') return pointer_below("", field);
     if (!request.single) return "/sets" + std::string(field);
     const auto point = field.find('/', 1);
     return "/points" + std::string(point == std::string_view::npos ? "" : field.substr(point));
 }
 
-Result<std::string> write_figures(const AnalyzeRequest& request, const Analysis& analysis, const Domain&) {
+Result<std::string> write_figures(const AnalyzeRequest& request, const Analysis& analysis) {
     return write_analysis(analysis, request.spectrum);
 }
 
-Result<std::string> draw_plot(const AnalyzeRequest& request, const Analysis& analysis, const Domain& domain) {
-    return plot_spectrum(analysis, request.sets[0], domain, request.options.max_frequency);
+Result<std::string> draw_plot(const AnalyzeRequest& request, const Analysis& analysis) {
+    const double max_frequency = request.options.max_frequency;
+    if (const auto* const flat = std::get_if<PlaneSets>(&request.points))
+        return plot_spectrum(analysis, flat->sets[0], {flat->domain.width, flat->domain.height}, max_frequency);
+    const auto& space = std::get<SpaceSets>(request.points);
+    return plot_spectrum(analysis, space.sets[0], space.domain.sides, max_frequency);
 }
 
-Result<std::string> render_plot(const AnalyzeRequest& request, const Analysis& analysis, const Domain& domain) {
-    return draw_plot(request, analysis, domain).and_then([](const std::string& svg) {
+Result<std::string> render_plot(const AnalyzeRequest& request, const Analysis& analysis) {
+    return draw_plot(request, analysis).and_then([](const std::string& svg) {
         return render_svg(svg, kPixelsPerUnit);
     });
+}
+
+Result<Analysis> analyse_sets(const PlaneSets& given, const AnalysisOptions& options, const std::stop_token& stop) {
+    return make_domain(given.domain).and_then([&](const Domain& domain) {
+        return analyse(given.sets, domain, options, stop);
+    });
+}
+Result<Analysis> analyse_sets(const SpaceSets& given, const AnalysisOptions& options, const std::stop_token& stop) {
+    return analyse(given.sets, given.domain.sides, given.domain.periodic, options, stop);
 }
 
 constexpr double kPlotBytes = 32 << 20;
@@ -128,37 +196,42 @@ Result<AnalyzeRequest> parse_analyze(std::string_view body, std::string_view acc
 
 Result<Answer> run_analyze(const AnalyzeRequest& request, const Control& control, Timings& timings) {
     Stopwatch watch;
-    const auto domain = make_domain(request.domain);
-    if (!domain) return tl::unexpected(domain.error());
-    auto analysis = analyse(request.sets, *domain, request.options, control.stop);
+    auto analysis = std::visit([&](const auto& given) { return analyse_sets(given, request.options, control.stop); },
+                               request.points);
     timings.optimise = watch.lap();
     if (!analysis) {
         if (analysis.error().code != ErrorCode::Stopped)
             analysis.error().field = pointer_to(request, analysis.error().field);
         return tl::unexpected(analysis.error());
     }
-    auto body = request.format->write(request, *analysis, *domain);
+    auto body = request.format->write(request, *analysis);
     timings.encode = watch.lap();
     if (!body) return tl::unexpected(body.error());
     return Answer{request.format->file.content_type(), *std::move(body)};
 }
 
 Cost cost_of(const AnalyzeRequest& request) {
-    const auto sets = static_cast<double>(request.sets.size());
-    const double points = request.sets.empty() ? 0 : static_cast<double>(request.sets.front().size());
-    const double cells = points * request.options.max_frequency * request.options.max_frequency;
-    const bool in_parts = cells * 16 > static_cast<double>(kMaxCells);
-    constexpr double kParts = 600e6, kSpectrum = 40;
-    const Estimate transforms{in_parts ? kParts + cells * kSpectrum : cells * 360,
-                              cells * sets * (in_parts ? 0.7 : 0.4) * kMicrosecond};
-    const Estimate others{points * sets * 64, points * sets * kMicrosecond};
+    const bool is_in_space = std::holds_alternative<SpaceSets>(request.points);
+    const auto [sets, points] = std::visit(
+        [](const auto& given) {
+            const std::size_t count = given.sets.empty() ? 0 : given.sets.front().size();
+            return std::pair(static_cast<double>(given.sets.size()), static_cast<double>(count));
+        },
+        request.points);
+    const double waves = points * std::pow(request.options.max_frequency, is_in_space ? 3 : 2);
+    // Cells of the grid, and parts in which the frequencies are computed.
+    const double cells = waves * (is_in_space ? 64 : 16), parts = std::max(2.3 * cells / kMaxCells, 1.0);
+    const bool in_parts = cells > kMaxCells;
+    const double bytes = in_parts ? 600e6 + waves * (is_in_space ? 75 : 40) : waves * (is_in_space ? 1250 : 360);
+    const double time = is_in_space ? waves * 1.6 + points * parts * 2.4 : waves * (in_parts ? 0.7 : 0.4);
+    const Estimate transforms{bytes, time * sets * kMicrosecond};
+    const Estimate others{points * sets * (is_in_space ? 96 : 64), points * sets * kMicrosecond};
     return total_cost(transforms + others + request.format->cost);
 }
 
 std::size_t size_of(const AnalyzeRequest& request) {
-    std::size_t points = 0;
-    for (const auto& set : request.sets) points += set.size();
-    return points * sizeof(Point);
+    const bool is_in_space = std::holds_alternative<SpaceSets>(request.points);
+    return count_points(request) * (is_in_space ? sizeof(Point3) : sizeof(Point));
 }
 
 }  // namespace ccdt::api

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "api/input/domain_reader.h"
@@ -23,7 +24,7 @@ struct AnalyzeRequest;
 struct AnalysisFormat {
     FileFormat file;
     Estimate cost;  ///< cost of writing the answer
-    Result<std::string> (&write)(const AnalyzeRequest& request, const Analysis& analysis, const Domain& domain);
+    Result<std::string> (&write)(const AnalyzeRequest& request, const Analysis& analysis);
 };
 
 /// Returns the formats of /analyze, in the server's order of preference.
@@ -32,17 +33,29 @@ std::span<const AnalysisFormat* const> analyze_formats();
 /// Returns the names of the options.
 std::vector<std::string_view> analyze_options();
 
+/// Sets of points with their domain.
+struct PlaneSets {
+    std::vector<std::vector<Point>> sets;
+    Rectangle domain{1, 1, true};
+    static constexpr double kMaxFrequency = 4;  ///< default of max_frequency
+};
+struct SpaceSets {
+    std::vector<std::vector<Point3>> sets;
+    BoxDomain3 domain{{1, 1, 1}, true};
+    static constexpr double kMaxFrequency = 2;
+};
+using AnySets = std::variant<PlaneSets, SpaceSets>;
+
 /// Request to /analyze, with its options.
 struct AnalyzeRequest {
-    std::vector<std::vector<Point>> sets;
+    AnySets points;
     bool single = false;  ///< whether the request gave `points` instead of `sets`
-    Rectangle domain{1, 1, true};
     AnalysisOptions options;
     bool spectrum = false;                   ///< whether to add the spectrum to the JSON
     const AnalysisFormat* format = nullptr;  ///< never null in a parsed request
 };
 
-/// Reads a request, which is a JSON object.
+/// Reads a request, which is a JSON object. Points with three coordinates are in space.
 ///
 /// @param accept  the Accept header, empty if there is none; the member `format` takes precedence
 /// Errors: Malformed for invalid JSON, for an unknown or repeated member, for a value of the wrong type or out of

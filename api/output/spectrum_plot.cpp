@@ -139,20 +139,24 @@ struct View {
     }
 };
 
-/// Selects the whole domain, or a part in its middle that would contain kMaxShown points if they were spread evenly.
-View view_of(std::size_t points, const Box& domain) {
-    const double share = std::min(1.0, kMaxShown / static_cast<double>(points));
-    const double side = std::sqrt(share * domain.width()) * std::sqrt(domain.height());
+/// Selects the whole domain, or a part in its middle that would contain a share of the points if they were spread
+/// evenly.
+View view_of(double share, Point sides, const Box& panel) {
+    const double side = std::sqrt(share * sides.x) * std::sqrt(sides.y);
     const auto half = [&](double length) { return (share < 1 ? std::min(length, side) : length) / 2; };
-    const Point centre{middle(domain.min.x, domain.max.x), middle(domain.min.y, domain.max.y)};
-    const Point reach{half(domain.width()), half(domain.height())};
+    const Point centre = 0.5 * sides, reach{half(sides.x), half(sides.y)};
     return {{centre - reach, centre + reach},
-            {middle(kPoints.min.x, kPoints.max.x), middle(kPoints.min.y, kPoints.max.y)},
-            kPoints.width() / 2 / std::max(reach.x, reach.y)};
+            {middle(panel.min.x, panel.max.x), middle(panel.min.y, panel.max.y)},
+            std::min(panel.width() / 2 / reach.x, panel.height() / 2 / reach.y)};
 }
 
-void draw_points(SvgDrawing& svg, const Analysis& analysis, std::span<const Point> points, const Domain& domain) {
-    const View view = view_of(points.size(), domain.bounds());
+/// Draws points in a panel.
+/// @param most   maximum number of points that are drawn
+/// @param words  returns the caption from the number of points that are drawn
+template <class Words>
+void draw_points(SvgDrawing& svg, std::span<const Point> points, Point sides, double unit, const Box& panel,
+                 double most, Words&& words) {
+    const View view = view_of(std::min(1.0, most / static_cast<double>(points.size())), sides, panel);
     std::vector<Point> dots;
     for (const Point& p : points) {
         if (view.holds(p)) dots.push_back(view.place(p));
@@ -160,15 +164,44 @@ void draw_points(SvgDrawing& svg, const Analysis& analysis, std::span<const Poin
     const Point low = view.place(view.shown.min), high = view.place(view.shown.max);
     const Box frame{{low.x, high.y}, {high.x, low.y}};
     svg.begin_clip(frame);
-    svg.dots(dots, std::clamp(0.18 * view.scale / analysis.unit, 0.8, 5.0));
+    svg.dots(dots, std::clamp(0.18 * view.scale / unit, 0.8, 5.0));
     svg.end_clip();
     svg.rectangle(frame, kFrame);
+    words(frame, dots.size());
+}
 
+std::string caption_of(const Analysis& analysis) {
+    return grouped(analysis.points) + " points" +
+           (analysis.sets > 1 ? ", first of " + grouped(analysis.sets) + " sets" : "");
+}
+
+void draw_panels(SvgDrawing& svg, const Analysis& analysis, std::span<const Point> points, Point sides) {
     draw_title(svg, kPoints, "Points");
-    std::string caption = grouped(points.size()) + " points";
-    if (dots.size() < points.size()) caption = "the middle: " + grouped(dots.size()) + " of " + caption;
-    if (analysis.sets > 1) caption += ", first of " + grouped(analysis.sets) + " sets";
-    draw_caption(svg, frame, 22, caption);
+    draw_points(svg, points, sides, analysis.unit, kPoints, kMaxShown, [&](const Box& frame, std::size_t shown) {
+        const std::string part = shown < points.size() ? "the middle: " + grouped(shown) + " of " : "";
+        draw_caption(svg, frame, 22, part + caption_of(analysis));
+    });
+}
+
+/// Draws four slabs in the middle, each as thick as the mean spacing.
+void draw_panels(SvgDrawing& svg, const Analysis& analysis, std::span<const Point3> points, Point3 sides) {
+    constexpr int kSlabs = 4;
+    constexpr Point kPanel{195, 190}, kStep{225, 220};
+    draw_title(svg, kPoints, "Points in four slabs next to each other");
+    const double thickness = std::min(1 / (analysis.unit * sides.z), 1.0 / kSlabs);  // relative to the depth
+    for (int slab = 0; slab < kSlabs; ++slab) {
+        const double low = 0.5 + (slab - kSlabs / 2) * thickness, high = low + thickness;
+        std::vector<Point> inside;
+        for (const Point3& p : points) {
+            if (p.z >= low * sides.z && p.z < high * sides.z) inside.push_back({p.x, p.y});
+        }
+        const Point corner = kPoints.min + Point{slab % 2 * kStep.x, slab / 2 * kStep.y};
+        draw_points(svg, inside, {sides.x, sides.y}, analysis.unit, {corner, corner + kPanel}, kMaxShown / kSlabs,
+                    [&](const Box& frame, std::size_t) {
+                        draw_caption(svg, frame, 16, decimal(low) + " to " + decimal(high) + " of the depth");
+                    });
+    }
+    draw_caption(svg, kPoints, 44, caption_of(analysis));
 }
 
 /// The spectrum as a grey picture, with light in proportion to power; y points down.
@@ -213,14 +246,16 @@ Periodogram draw_periodogram(const Spectrum& spectrum) {
     return result;
 }
 
-Result<void> draw_spectrum(SvgDrawing& svg, const Analysis& analysis, const Domain& domain, double max_frequency) {
+/// @param title  title of the spectrum
+Result<void> draw_spectrum(SvgDrawing& svg, const Analysis& analysis, Point sides, double max_frequency,
+                           std::string_view title) {
     const Periodogram periodogram = draw_periodogram(analysis.spectrum);
     const auto png = write_png(overlay({periodogram.raster}, {{{"", kWhite}}, kBlack}, true));
     if (!png) return tl::unexpected(png.error());
 
     const Axis axis{-max_frequency, max_frequency, std::ceil(max_frequency / 4)};
     const Chart chart{kSpectrum, axis, axis};
-    const Point step{1 / (domain.bounds().width() * analysis.unit), 1 / (domain.bounds().height() * analysis.unit)};
+    const Point step{1 / (sides.x * analysis.unit), 1 / (sides.y * analysis.unit)};
     const Point low{-0.5 * analysis.spectrum.width * step.x, 0.5 * analysis.spectrum.height * step.y};
     const Point high = low + Point{periodogram.size.x * step.x, -periodogram.size.y * step.y};
     svg.begin_clip(kSpectrum);
@@ -229,7 +264,7 @@ Result<void> draw_spectrum(SvgDrawing& svg, const Analysis& analysis, const Doma
     svg.rectangle(kSpectrum, kFrame);
     draw_ticks_below(svg, chart, true);
     draw_ticks_at_left(svg, chart);
-    draw_title(svg, kSpectrum, "Power spectrum");
+    draw_title(svg, kSpectrum, title);
     draw_caption(svg, kSpectrum, 44, "black: no power; white: " + decimal(kWhitest) + " times white noise or more");
     return {};
 }
@@ -245,7 +280,7 @@ void draw_power(SvgDrawing& svg, const Analysis& analysis, const Axis& frequenci
     draw_ticks_at_left(svg, chart);
 }
 
-void draw_anisotropy(SvgDrawing& svg, const Analysis& analysis, const Axis& frequencies) {
+void draw_anisotropy(SvgDrawing& svg, const Analysis& analysis, const Axis& frequencies, std::string_view unit) {
     constexpr double kMax = 40;  // dB; values farther from isotropy belong to rings with almost no power
     const double isotropic = -10 * std::log10(static_cast<double>(analysis.sets));
     const auto [low, high] = std::ranges::minmax(analysis.anisotropy_db);
@@ -258,22 +293,33 @@ void draw_anisotropy(SvgDrawing& svg, const Analysis& analysis, const Axis& freq
     svg.rectangle(kAnisotropy, kFrame);
     draw_ticks_below(svg, chart, true);
     draw_ticks_at_left(svg, chart);
-    draw_caption(svg, kAnisotropy, 44, "frequency, in units of &#8730;(points / area)");
+    draw_caption(svg, kAnisotropy, 44, "frequency, in units of " + std::string(unit));
 }
 
-}  // namespace
-
-Result<std::string> plot_spectrum(const Analysis& analysis, std::span<const Point> points, const Domain& domain,
-                                  double max_frequency) {
+template <class P>
+Result<std::string> plot(const Analysis& analysis, std::span<const P> points, P sides, double max_frequency,
+                         std::string_view title, std::string_view unit) {
     SvgDrawing svg(kWidth, kHeight);
-    draw_points(svg, analysis, points, domain);
-    if (auto drawn = draw_spectrum(svg, analysis, domain, max_frequency); !drawn) {
+    draw_panels(svg, analysis, points, sides);
+    if (auto drawn = draw_spectrum(svg, analysis, {sides.x, sides.y}, max_frequency, title); !drawn) {
         return tl::unexpected(drawn.error());
     }
     const Axis frequencies{0, max_frequency, std::ceil(max_frequency / 8)};
     draw_power(svg, analysis, frequencies);
-    draw_anisotropy(svg, analysis, frequencies);
+    draw_anisotropy(svg, analysis, frequencies, unit);
     return svg.finish();
+}
+
+}  // namespace
+
+Result<std::string> plot_spectrum(const Analysis& analysis, std::span<const Point> points, Point sides,
+                                  double max_frequency) {
+    return plot(analysis, points, sides, max_frequency, "Power spectrum", "&#8730;(points / area)");
+}
+
+Result<std::string> plot_spectrum(const Analysis& analysis, std::span<const Point3> points, Point3 sides,
+                                  double max_frequency) {
+    return plot(analysis, points, sides, max_frequency, "Slice of the power spectrum", "&#8731;(points / volume)");
 }
 
 }  // namespace ccdt::api

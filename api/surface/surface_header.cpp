@@ -131,32 +131,10 @@ struct PlyHeader {
     std::string_view data;
 };
 
-/// Returns the size of a type in bytes; 0 for unknown types.
-std::uint64_t size_of_type(std::string_view type) {
-    constexpr auto kTypes = std::to_array<std::pair<std::string_view, std::uint64_t>>({{"char", 1},
-                                                                                       {"uchar", 1},
-                                                                                       {"int8", 1},
-                                                                                       {"uint8", 1},
-                                                                                       {"short", 2},
-                                                                                       {"ushort", 2},
-                                                                                       {"int16", 2},
-                                                                                       {"uint16", 2},
-                                                                                       {"int", 4},
-                                                                                       {"uint", 4},
-                                                                                       {"int32", 4},
-                                                                                       {"uint32", 4},
-                                                                                       {"float", 4},
-                                                                                       {"float32", 4},
-                                                                                       {"double", 8},
-                                                                                       {"float64", 8}});
-    const auto* const found = std::ranges::find(kTypes, type, &std::pair<std::string_view, std::uint64_t>::first);
-    return found == kTypes.end() ? 0 : found->second;
-}
-
 /// Reads a line that declares a property; returns false for an unknown type.
 bool add_property(PlyElement& element, std::string_view line, bool is_text) {
     const auto size_of_next = [&] {
-        const std::uint64_t size = size_of_type(take_word(line));
+        const std::uint64_t size = size_of_ply_type(take_word(line));
         return is_text ? std::min<std::uint64_t>(size, 1) : size;
     };
     std::string_view rest = line;
@@ -482,6 +460,27 @@ std::optional<SurfaceFormat> recognise_surface(std::string_view bytes, std::stri
     const auto* const found = std::ranges::find(kTypes, media_type, &std::pair<std::string_view, SurfaceFormat>::first);
     if (found == kTypes.end()) return std::nullopt;
     return found->second;
+}
+
+std::uint64_t size_of_ply_type(std::string_view type) {
+    constexpr auto kTypes = std::to_array<std::pair<std::string_view, std::uint64_t>>({{"char", 1},
+                                                                                       {"uchar", 1},
+                                                                                       {"int8", 1},
+                                                                                       {"uint8", 1},
+                                                                                       {"short", 2},
+                                                                                       {"ushort", 2},
+                                                                                       {"int16", 2},
+                                                                                       {"uint16", 2},
+                                                                                       {"int", 4},
+                                                                                       {"uint", 4},
+                                                                                       {"int32", 4},
+                                                                                       {"uint32", 4},
+                                                                                       {"float", 4},
+                                                                                       {"float32", 4},
+                                                                                       {"double", 8},
+                                                                                       {"float64", 8}});
+    const auto* const found = std::ranges::find(kTypes, type, &std::pair<std::string_view, std::uint64_t>::first);
+    return found == kTypes.end() ? 0 : found->second;
 }
 
 tl::unexpected<Error> too_many_faces(std::uint64_t max_faces) {

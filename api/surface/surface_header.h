@@ -48,6 +48,9 @@ std::optional<SurfaceFormat> recognise_surface(std::string_view bytes, std::stri
 /// Visualizer, appendix B1.
 Result<SurfaceHeader> read_surface_header(std::string_view bytes, SurfaceFormat format, std::size_t max_faces);
 
+/// Returns the size of a type of PLY in bytes; 0 for unknown types.
+std::uint64_t size_of_ply_type(std::string_view type);
+
 /// Returns the error of a mesh that exceeds the limit on faces.
 tl::unexpected<Error> too_many_faces(std::uint64_t max_faces);
 

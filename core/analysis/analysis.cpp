@@ -2,6 +2,7 @@
 #include "core/analysis/analysis.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <complex>
@@ -14,61 +15,103 @@
 
 #include "core/analysis/nonuniform_transform.h"
 #include "core/analysis/spacing.h"
+#include "core/geometry/axes.h"
 #include "core/geometry/hexagonal_spacing.h"
 
 namespace ccdt {
 namespace {
 
-using Sets = std::span<const std::vector<Point>>;
+template <class P>
+using Sets = std::span<const std::vector<P>>;
 
 constexpr double kMinFrequency = 1, kMaxFrequency = 16;
-constexpr double kLow = 0.5;     // frequencies below this count as low
 constexpr double kMargin = 0.1;  // width of the margin around a window's middle, relative to its sides
 
-/// The domain's box, scaled to unit area without changing its shape, and the frequencies (i, j) that fit the box.
+/// A frequency, in cycles along each side of the domain. In the plane, z = 0.
+struct Wave {
+    int x, y, z;
+};
+
+/// The domain's box, scaled to unit area or volume without changing its shape, and the waves that fit the box.
+/// @tparam P  Point or Point3
+template <class P>
 struct Frame {
-    Box box;
+    P min, max;
     bool periodic;
-    Point sides;  ///< sides of the box scaled to unit area
+    P size = max - min;  ///< sides of the box
+    P sides{};           ///< sides of the box scaled to unit area or volume
 
-    explicit Frame(const Domain& domain) : box(domain.bounds()), periodic(domain.is_torus()) {
-        const double ratio = std::sqrt(box.width()) / std::sqrt(box.height());
-        sides = {ratio, 1 / ratio};
+    Frame(const P& lowest, const P& highest, bool is_torus) : min(lowest), max(highest), periodic(is_torus) {
+        for_axes([&](std::size_t axis) { along(sides, axis) = along(size, axis) * per_side(1); });
     }
 
-    /// Returns the position of a point relative to the box, in [0, 1] x [0, 1].
-    Point share_of(Point p) const {
-        return {std::clamp((p.x - box.min.x) / box.width(), 0.0, 1.0),
-                std::clamp((p.y - box.min.y) / box.height(), 0.0, 1.0)};
+    template <class Visit>
+    static void for_axes(Visit&& visit) {
+        for (std::size_t axis = 0; axis < kAxes<P>; ++axis) visit(axis);
     }
 
-    bool holds(Point p) const { return p.x >= box.min.x && p.x <= box.max.x && p.y >= box.min.y && p.y <= box.max.y; }
+    /// Returns the side of a square or a cube.
+    static double root(double content) { return kAxes<P> == 2 ? std::sqrt(content) : std::cbrt(content); }
 
-    /// Magnitude of a frequency for the box scaled to unit area, in cycles per unit of length.
-    double frequency(int i, int j) const { return std::hypot(i / sides.x, j / sides.y); }
+    /// Returns a value divided by the side of the square or cube that is as large as the box.
+    double per_side(double value) const {
+        for_axes([&](std::size_t axis) { value /= root(along(size, axis)); });
+        return value;
+    }
+
+    /// Returns the position of a point relative to the box, with coordinates in [0, 1].
+    P share_of(P p) const {
+        for_axes([&](std::size_t axis) {
+            along(p, axis) = std::clamp((along(p, axis) - along(min, axis)) / along(size, axis), 0.0, 1.0);
+        });
+        return p;
+    }
+
+    bool holds(P p) const {
+        bool inside = true;
+        for_axes([&](std::size_t axis) {
+            inside = inside && along(p, axis) >= along(min, axis) && along(p, axis) <= along(max, axis);
+        });
+        return inside;
+    }
+
+    /// Magnitude of a frequency for the box scaled to unit area or volume, in cycles per unit of length.
+    double frequency(Wave wave) const {
+        const double flat = std::hypot(wave.x / sides.x, wave.y / sides.y);
+        if constexpr (kAxes<P> == 3) return std::hypot(flat, wave.z / sides.z);
+        return flat;
+    }
 
     /// Whether a frequency is left out. Frequency 0 measures only the number of points. For a window, all frequencies
     /// in the window's lobe around 0 are left out.
-    bool is_excluded(int i, int j) const {
+    bool is_excluded(Wave wave) const {
         const int lobe = periodic ? 0 : 1;
-        return std::abs(i) <= lobe && std::abs(j) <= lobe;
+        return std::abs(wave.x) <= lobe && std::abs(wave.y) <= lobe && std::abs(wave.z) <= lobe;
     }
+
+    /// Distance of neighbours in the densest packing of points with a density.
+    static double densest(double density) {
+        return kAxes<P> == 2 ? hexagonal_spacing(density) : kCubicSpacing / std::cbrt(density);
+    }
+
+    /// Frequencies below this count as low. In space, it is half the principal frequency of the densest packing.
+    static double low() { return kAxes<P> == 2 ? 0.5 : std::sqrt(1.5) / kCubicSpacing / 2; }
 };
 
 /// The grid of frequencies and the rings, chosen before any transform.
 struct Plan {
-    std::vector<double> densities;  ///< [sets] points per unit area
-    double resolution = 0;          ///< square root of the mean density: the unit of frequencies
+    std::vector<double> densities;  ///< [sets] points per unit area or volume
+    double resolution = 0;          ///< square or cubic root of the mean density: the unit of frequencies
     int rings = 0;
-    int highest_x = 0;
-    int highest_y = 0;
+    Wave highest{};
 };
 
 tl::unexpected<Error> unusable(std::string message, std::string field) {
     return failure(ErrorCode::Unusable, std::move(message), std::move(field));
 }
 
-Result<void> check_set(std::size_t s, const std::vector<Point>& set, const Frame& frame) {
+template <class P>
+Result<void> check_set(std::size_t s, const std::vector<P>& set, const Frame<P>& frame) {
     for (std::size_t p = 0; p < set.size(); ++p) {
         if (frame.holds(set[p])) continue;
         return unusable("the point lies outside the domain", '/' + std::to_string(s) + '/' + std::to_string(p));
@@ -76,7 +119,8 @@ Result<void> check_set(std::size_t s, const std::vector<Point>& set, const Frame
     return {};
 }
 
-Result<void> check_sets(Sets sets, const Frame& frame) {
+template <class P>
+Result<void> check_sets(Sets<P> sets, const Frame<P>& frame) {
     if (sets.empty()) return unusable("there are no points", "");
     for (std::size_t s = 0; s < sets.size(); ++s) {
         const std::string field = '/' + std::to_string(s);
@@ -92,16 +136,21 @@ Result<void> check_sets(Sets sets, const Frame& frame) {
 }
 
 /// Returns the density of points in the middle of a window, where the treatment of the border has no effect.
-double middle_density(const std::vector<Point>& set, const Frame& frame) {
-    const auto inner = [](double share) { return share > kMargin && share < 1 - kMargin; };
-    const auto count = std::ranges::count_if(set, [&](Point p) {
-        const Point share = frame.share_of(p);
-        return inner(share.x) && inner(share.y);
+template <class P>
+double middle_density(const std::vector<P>& set, const Frame<P>& frame) {
+    const auto count = std::ranges::count_if(set, [&](const P& p) {
+        const P share = frame.share_of(p);
+        bool inner = true;
+        frame.for_axes([&](std::size_t axis) {
+            inner = inner && along(share, axis) > kMargin && along(share, axis) < 1 - kMargin;
+        });
+        return inner;
     });
-    return static_cast<double>(count) / ((1 - 2 * kMargin) * (1 - 2 * kMargin));
+    return static_cast<double>(count) / std::pow(1 - 2 * kMargin, kAxes<P>);
 }
 
-Result<std::vector<double>> densities_of(Sets sets, const Frame& frame) {
+template <class P>
+Result<std::vector<double>> densities_of(Sets<P> sets, const Frame<P>& frame) {
     std::vector<double> densities;
     for (std::size_t s = 0; s < sets.size(); ++s) {
         densities.push_back(frame.periodic ? static_cast<double>(sets[s].size()) : middle_density(sets[s], frame));
@@ -117,15 +166,16 @@ double mean(const std::vector<double>& values) {
     return sum / static_cast<double>(values.size());
 }
 
-Result<Plan> make_plan(Sets sets, const Frame& frame, const AnalysisOptions& options) {
+template <class P>
+Result<Plan> make_plan(Sets<P> sets, const Frame<P>& frame, const AnalysisOptions& options) {
     auto densities = densities_of(sets, frame);
     if (!densities) return tl::make_unexpected(densities.error());
     Plan plan{*std::move(densities)};
-    plan.resolution = std::sqrt(mean(plan.densities));
+    plan.resolution = frame.root(mean(plan.densities));
     const double rings = std::floor(options.max_frequency * plan.resolution);
-    const double highest_x = std::floor((rings + 0.5) * frame.sides.x);
-    const double highest_y = std::floor((rings + 0.5) * frame.sides.y);
-    const double cells = NonuniformTransform::cells(highest_x, highest_y);
+    std::array<double, 3> highest{};
+    frame.for_axes([&](std::size_t axis) { highest[axis] = std::floor((rings + 0.5) * along(frame.sides, axis)); });
+    const double cells = NonuniformTransform::cells(highest[0], highest[1], highest[2]);
     if (!(cells <= static_cast<double>(kMaxTransformCells))) {
         return failure(ErrorCode::LimitExceeded,
                        "the spectrum of so many points up to this frequency needs a transform of " +
@@ -134,8 +184,7 @@ Result<Plan> make_plan(Sets sets, const Frame& frame, const AnalysisOptions& opt
                        "max_frequency");
     }
     plan.rings = static_cast<int>(rings);
-    plan.highest_x = static_cast<int>(highest_x);
-    plan.highest_y = static_cast<int>(highest_y);
+    plan.highest = {static_cast<int>(highest[0]), static_cast<int>(highest[1]), static_cast<int>(highest[2])};
     return plan;
 }
 
@@ -150,119 +199,155 @@ double hann_transform(int frequency) {
     return std::abs(frequency) <= 1 ? kHeights[std::abs(frequency)] * std::sqrt(2.0 / 3) : 0;
 }
 
-std::vector<WeightedPoint> weigh(const std::vector<Point>& set, const Frame& frame) {
-    std::vector<WeightedPoint> points;
+template <class P>
+std::vector<BasicWeightedPoint<P>> weigh(const std::vector<P>& set, const Frame<P>& frame) {
+    std::vector<BasicWeightedPoint<P>> points;
     points.reserve(set.size());
-    for (const Point& p : set) {
-        const Point share = frame.share_of(p);
-        points.push_back({share, frame.periodic ? 1 : hann(share.x) * hann(share.y)});
+    for (const P& p : set) {
+        BasicWeightedPoint<P> point{frame.share_of(p)};
+        if (!frame.periodic)
+            frame.for_axes([&](std::size_t axis) { point.weight *= hann(along(point.position, axis)); });
+        points.push_back(point);
     }
     return points;
 }
 
-double sum_of_squares(std::span<const WeightedPoint> points) {
+template <class P>
+double sum_of_squares(const std::vector<BasicWeightedPoint<P>>& points) {
     double sum = 0;
-    for (const WeightedPoint& p : points) sum += p.weight * p.weight;
+    for (const auto& p : points) sum += p.weight * p.weight;
     return sum;
 }
 
-Spectrum make_spectrum(const Plan& plan) {
-    Spectrum spectrum{2 * plan.highest_x + 1, 2 * plan.highest_y + 1, {}};
-    spectrum.values.resize(static_cast<std::size_t>(spectrum.width) * static_cast<std::size_t>(spectrum.height));
-    return spectrum;
-}
+/// Powers of all waves: a spectrum for each frequency along z, from the lowest one on. In the plane, there is only one.
+class Layers {
+public:
+    explicit Layers(Wave highest) : layers_(2 * static_cast<std::size_t>(highest.z) + 1) {
+        for (Spectrum& layer : layers_) {
+            layer = {2 * highest.x + 1, 2 * highest.y + 1, {}};
+            layer.values.resize(static_cast<std::size_t>(layer.width) * static_cast<std::size_t>(layer.height));
+        }
+    }
 
-/// Calls `visit(i, j)` for one of each pair of opposite frequencies, except (0, 0).
+    double& at(Wave wave) { return layers_[static_cast<std::size_t>(wave.z) + layers_.size() / 2].at(wave.x, wave.y); }
+    Spectrum& middle() { return layers_[layers_.size() / 2]; }
+
+private:
+    std::vector<Spectrum> layers_;
+};
+
+/// Calls visit(wave) for one of each pair of opposite frequencies within `reach` of `middle` and up to the highest
+/// ones, except 0.
+template <class Visit>
+void for_each_pair(Wave highest, Wave middle, Wave reach, Visit visit) {
+    for (int k = std::max(middle.z - reach.z, -highest.z); k <= std::min(middle.z + reach.z, highest.z); ++k) {
+        for (int j = std::max(middle.y - reach.y, -highest.y); j <= std::min(middle.y + reach.y, highest.y); ++j) {
+            const int first = j > 0 || (j == 0 && k > 0) ? 0 : 1;
+            for (int i = std::max(middle.x - reach.x, first); i <= std::min(middle.x + reach.x, highest.x); ++i)
+                visit(Wave{i, j, k});
+        }
+    }
+}
 template <class Visit>
 void for_each_pair(const Plan& plan, Visit visit) {
-    for (int j = -plan.highest_y; j <= plan.highest_y; ++j) {
-        for (int i = j > 0 ? 0 : 1; i <= plan.highest_x; ++i) visit(i, j);
+    for_each_pair(plan.highest, {}, plan.highest, visit);
+}
+
+/// Returns half the size of a part whose two grids have at most kMaxCells cells. Parts are as cubic as possible.
+Wave reach_of_parts(Wave highest, std::size_t axes) {
+    std::array<int*, 3> reach{&highest.x, &highest.y, &highest.z};
+    std::ranges::sort(reach.begin(), reach.begin() + static_cast<std::ptrdiff_t>(axes), {},
+                      [](int* side) { return *side; });
+    double cells = static_cast<double>(kMaxCells) / 2;
+    for (std::size_t rest = axes; rest > 0; --rest) {
+        int& side = *reach[axes - rest];
+        side = std::min(side, static_cast<int>(std::pow(cells, 1 / static_cast<double>(rest)) / 4));
+        cells /= 4 * std::max(side, 6);
     }
+    return highest;
 }
 
 /// Adds the powers of sets to a spectrum. Computes all frequencies at once, or in parts if the grid would be too large.
+template <class P>
 class Periodogram {
 public:
     /// All arguments must outlive this object.
-    Periodogram(const Frame& frame, const Plan& plan, Spectrum& spectrum)
-        : frame_(frame), plan_(plan), spectrum_(spectrum) {
-        constexpr auto kMax = static_cast<double>(kMaxCells);
-        if (NonuniformTransform::cells(plan.highest_x, plan.highest_y) <= kMax) {
-            whole_.emplace(plan.highest_x, plan.highest_y);
+    Periodogram(const Frame<P>& frame, const Plan& plan, Layers& powers) : frame_(frame), plan_(plan), powers_(powers) {
+        const auto [x, y, z] = plan.highest;
+        if (NonuniformTransform::cells(x, y, z) <= static_cast<double>(kMaxCells)) {
+            whole_.emplace(x, y, z);
             return;
         }
-        // Each part needs two grids. The parts are as square as possible.
-        const int even = static_cast<int>(std::sqrt(kMax / 2) / 4);
-        const auto longest = [&](int other) { return static_cast<int>(kMax / 2 / (4 * std::max(other, 6))) / 4; };
-        reach_y_ = std::min(plan.highest_y, plan.highest_x < even ? longest(plan.highest_x) : even);
-        reach_x_ = std::min(plan.highest_x, longest(reach_y_));
-        part_.emplace(reach_x_, reach_y_);
+        reach_ = reach_of_parts(plan.highest, kAxes<P>);
+        part_.emplace(reach_.x, reach_.y, reach_.z);
     }
 
     /// Adds the powers of a set. A stop ends the computation early; the spectrum must not be used then.
     /// @param points   points of the set; reordered
     /// @param density  density of the set
     /// @param share    weight of the set
-    void add(std::vector<WeightedPoint>& points, double density, double share, const std::stop_token& stop) {
+    void add(std::vector<BasicWeightedPoint<P>>& points, double density, double share, const std::stop_token& stop) {
         if (whole_) {
             whole_->run(points, stop);
-            for_each_pair(plan_, [&](int i, int j) { add(i, j, whole_->value(i, j), density, share); });
+            for_each_pair(plan_, [&](Wave w) { add(w, whole_->value(w.x, w.y, w.z), density, share); });
             return;
         }
         bring_together(points);
-        for (int y = reach_y_ - plan_.highest_y; y - reach_y_ <= plan_.highest_y; y += 2 * reach_y_ + 1) {
-            for (int x = reach_x_; x - reach_x_ <= plan_.highest_x; x += 2 * reach_x_ + 1) {
-                part_->run(points, x, y, stop);
-                if (stop.stop_requested()) return;
-                add_part(x, y, density, share);
+        const auto [highest_x, highest_y, highest_z] = plan_.highest;
+        for (int z = reach_.z - highest_z; z - reach_.z <= highest_z; z += 2 * reach_.z + 1) {
+            for (int y = reach_.y - highest_y; y - reach_.y <= highest_y; y += 2 * reach_.y + 1) {
+                for (int x = reach_.x; x - reach_.x <= highest_x; x += 2 * reach_.x + 1) {
+                    part_->run(points, {x, y, z}, stop);
+                    if (stop.stop_requested()) return;
+                    for_each_pair(plan_.highest, {x, y, z}, reach_,
+                                  [&](Wave w) { add(w, part_->value(w.x - x, w.y - y, w.z - z), density, share); });
+                }
             }
         }
     }
 
 private:
     /// Sorts points so that successive points are near each other.
-    static void bring_together(std::vector<WeightedPoint>& points) {
-        constexpr double kBands = 512;
-        std::ranges::sort(points, {}, [](const WeightedPoint& point) {
-            const Point p = point.position;
-            return std::tuple(std::floor(kBands * p.y), p.x, p.y);
+    static void bring_together(std::vector<BasicWeightedPoint<P>>& points) {
+        std::ranges::sort(points, {}, [](const BasicWeightedPoint<P>& point) {
+            const P& p = point.position;
+            if constexpr (kAxes<P> == 3)
+                return std::tuple(std::floor(64 * p.z), std::floor(64 * p.y), p.x, p.y, p.z);
+            else
+                return std::tuple(std::floor(512 * p.y), p.x, p.y);
         });
     }
 
-    /// Adds the frequencies of a part around (x, y): one of each pair of opposite frequencies.
-    void add_part(int x, int y, double density, double share) {
-        for (int j = y - reach_y_; j <= std::min(y + reach_y_, plan_.highest_y); ++j) {
-            const int last = std::min(x + reach_x_, plan_.highest_x);
-            for (int i = std::max(x - reach_x_, j > 0 ? 0 : 1); i <= last; ++i)
-                add(i, j, part_->value(i - x, j - y), density, share);
+    void add(Wave wave, std::complex<double> f, double density, double share) {
+        if (!frame_.periodic) {
+            double window = hann_transform(wave.x) * hann_transform(wave.y);
+            if constexpr (kAxes<P> == 3) window *= hann_transform(wave.z);
+            f -= density * window;
         }
-    }
-
-    void add(int i, int j, std::complex<double> f, double density, double share) {
-        if (!frame_.periodic) f -= density * hann_transform(i) * hann_transform(j);
         const double power = share * std::norm(f);
-        spectrum_.at(i, j) += power;
-        spectrum_.at(-i, -j) += power;
+        powers_.at(wave) += power;
+        powers_.at({-wave.x, -wave.y, -wave.z}) += power;
     }
 
-    const Frame& frame_;
+    const Frame<P>& frame_;
     const Plan& plan_;
-    Spectrum& spectrum_;
+    Layers& powers_;
     std::optional<NonuniformTransform> whole_;
     std::optional<ShiftedTransform> part_;
-    int reach_x_ = 0, reach_y_ = 0;  ///< half the size of a part
+    Wave reach_{};  ///< half the size of a part
 };
 
-void add_spacing(const std::vector<Point>& set, const Frame& frame, double density, const std::stop_token& stop,
+template <class P>
+void add_spacing(const std::vector<P>& set, const Frame<P>& frame, double density, const std::stop_token& stop,
                  Analysis& analysis) {
-    std::vector<Point> points;
+    std::vector<P> points;
     points.reserve(set.size());
-    for (const Point& p : set) {
-        const Point share = frame.share_of(p);
-        points.push_back({share.x * frame.sides.x, share.y * frame.sides.y});
+    for (const P& p : set) {
+        P& place = points.emplace_back(frame.share_of(p));
+        frame.for_axes([&](std::size_t axis) { along(place, axis) *= along(frame.sides, axis); });
     }
     const Spacing spacing = measure_spacing(points, frame.sides, frame.periodic, stop);
-    const double densest = hexagonal_spacing(density);
+    const double densest = frame.densest(density);
     const auto sets = static_cast<double>(analysis.sets);
     analysis.min_distance += spacing.min / densest / sets;
     analysis.mean_distance += spacing.mean / densest / sets;
@@ -275,13 +360,14 @@ struct Ring {
     double variance = 0;
 };
 
-std::vector<Ring> measure_rings(const Frame& frame, const Plan& plan, const Spectrum& spectrum) {
+template <class P>
+std::vector<Ring> measure_rings(const Frame<P>& frame, const Plan& plan, Layers& powers) {
     std::vector<Ring> rings(static_cast<std::size_t>(plan.rings) + 1);
     const auto for_each_member = [&](auto&& visit) {
-        for_each_pair(plan, [&](int i, int j) {
-            const double nearest = std::floor(frame.frequency(i, j) + 0.5);
-            if (nearest > plan.rings || frame.is_excluded(i, j)) return;
-            visit(rings[static_cast<std::size_t>(nearest)], spectrum.at(i, j));
+        for_each_pair(plan, [&](Wave wave) {
+            const double nearest = std::floor(frame.frequency(wave) + 0.5);
+            if (nearest > plan.rings || frame.is_excluded(wave)) return;
+            visit(rings[static_cast<std::size_t>(nearest)], powers.at(wave));
         });
     };
     for_each_member([](Ring& ring, double power) {
@@ -302,8 +388,9 @@ double anisotropy(const Ring& ring) {
     return 10 * std::log10(std::max(ring.variance, kMinVariance) / (power * power));
 }
 
-void fill_curves(const Frame& frame, const Plan& plan, Analysis& analysis) {
-    const auto rings = measure_rings(frame, plan, analysis.spectrum);
+template <class P>
+void fill_curves(const Frame<P>& frame, const Plan& plan, Layers& powers, Analysis& analysis) {
+    const auto rings = measure_rings(frame, plan, powers);
     for (std::size_t r = 1; r < rings.size(); ++r) {
         if (rings[r].count < 2) continue;
         analysis.frequency.push_back(static_cast<double>(r) / plan.resolution);
@@ -312,44 +399,45 @@ void fill_curves(const Frame& frame, const Plan& plan, Analysis& analysis) {
     }
 }
 
-std::optional<double> low_frequency_power(const Frame& frame, const Plan& plan, const Spectrum& spectrum) {
+template <class P>
+std::optional<double> low_frequency_power(const Frame<P>& frame, const Plan& plan, Layers& powers) {
     double count = 0, sum = 0;
-    for_each_pair(plan, [&](int i, int j) {
-        if (frame.frequency(i, j) >= kLow * plan.resolution || frame.is_excluded(i, j)) return;
+    for_each_pair(plan, [&](Wave wave) {
+        if (frame.frequency(wave) >= frame.low() * plan.resolution || frame.is_excluded(wave)) return;
         ++count;
-        sum += spectrum.at(i, j);
+        sum += powers.at(wave);
     });
     if (count == 0) return std::nullopt;
     return sum / count;
 }
 
 /// Transforms all sets and averages their powers. A stop ends the computation early; the result must not be used then.
-Analysis measure(Sets sets, const Frame& frame, const Plan& plan, const std::stop_token& stop) {
+template <class P>
+Analysis measure(Sets<P> sets, const Frame<P>& frame, const Plan& plan, const std::stop_token& stop) {
     Analysis analysis;
     analysis.sets = sets.size();
     analysis.points = sets[0].size();
-    analysis.unit = plan.resolution / std::sqrt(frame.box.width()) / std::sqrt(frame.box.height());
-    analysis.spectrum = make_spectrum(plan);
-    Periodogram powers(frame, plan, analysis.spectrum);
+    analysis.unit = frame.per_side(plan.resolution);
+    Layers powers(plan.highest);
+    Periodogram<P> periodogram(frame, plan, powers);
     for (std::size_t s = 0; s < sets.size() && !stop.stop_requested(); ++s) {
         auto points = weigh(sets[s], frame);
         const double share = 1 / (sum_of_squares(points) * static_cast<double>(sets.size()));
-        powers.add(points, plan.densities[s], share, stop);
+        periodogram.add(points, plan.densities[s], share, stop);
         add_spacing(sets[s], frame, plan.densities[s], stop, analysis);
     }
-    fill_curves(frame, plan, analysis);
-    analysis.low_frequency_power = low_frequency_power(frame, plan, analysis.spectrum);
+    fill_curves(frame, plan, powers, analysis);
+    analysis.low_frequency_power = low_frequency_power(frame, plan, powers);
+    analysis.spectrum = std::move(powers.middle());
     return analysis;
 }
 
-}  // namespace
-
-Result<Analysis> analyse(Sets sets, const Domain& domain, const AnalysisOptions& options, const std::stop_token& stop) {
-    assert(domain.is_box());
+template <class P>
+Result<Analysis> analyse_in(const Frame<P>& frame, Sets<P> sets, const AnalysisOptions& options,
+                            const std::stop_token& stop) {
     if (!(options.max_frequency >= kMinFrequency && options.max_frequency <= kMaxFrequency)) {
         return failure(ErrorCode::Malformed, "max_frequency must be a number from 1 to 16", "max_frequency");
     }
-    const Frame frame(domain);
     if (auto checked = check_sets(sets, frame); !checked) return tl::make_unexpected(checked.error());
     const auto plan = make_plan(sets, frame, options);
     if (!plan) return tl::make_unexpected(plan.error());
@@ -357,6 +445,24 @@ Result<Analysis> analyse(Sets sets, const Domain& domain, const AnalysisOptions&
     if (stop.stop_requested()) return failure(ErrorCode::Stopped, "the analysis was stopped");
     if (analysis.frequency.empty()) return unusable("these points are too few for a spectrum", "");
     return analysis;
+}
+
+}  // namespace
+
+Result<Analysis> analyse(Sets<Point> sets, const Domain& domain, const AnalysisOptions& options,
+                         const std::stop_token& stop) {
+    assert(domain.is_box());
+    const Box& box = domain.bounds();
+    return analyse_in(Frame<Point>(box.min, box.max, domain.is_torus()), sets, options, stop);
+}
+
+Result<Analysis> analyse(Sets<Point3> sets, Point3 sides, bool periodic, const AnalysisOptions& options,
+                         const std::stop_token& stop) {
+    for (const double side : {sides.x, sides.y, sides.z}) {
+        if (!(side > 0 && std::isfinite(side)))
+            return unusable("the sides of the domain must be positive and finite", "domain");
+    }
+    return analyse_in(Frame<Point3>({}, sides, periodic), sets, options, stop);
 }
 
 }  // namespace ccdt

@@ -9,16 +9,17 @@
 
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
+#include "core/geometry/point3.h"
 #include "core/result.h"
 
 namespace ccdt {
 
 struct AnalysisOptions {
-    double max_frequency = 4;  ///< 1 to 16, in units of sqrt(n / area)
+    double max_frequency = 4;  ///< 1 to 16, in units of sqrt(n / area) or, in space, cbrt(n / volume)
 };
 
 /// Power of the frequencies (i / domain's width, j / domain's height), in cycles per unit, for |i| <= (width - 1) / 2
-/// and |j| <= (height - 1) / 2. The value at (0, 0) is set to 0.
+/// and |j| <= (height - 1) / 2. In space, the frequency along z is 0. The value at (0, 0) is set to 0.
 struct Spectrum {
     int width = 0;               ///< odd
     int height = 0;              ///< odd
@@ -39,18 +40,19 @@ struct Analysis {
     std::size_t sets = 0;
     std::size_t points = 0;  ///< number of points in each set
 
-    double unit = 0;                    ///< unit of frequencies: sqrt(n / area), near the principal frequency
-    std::vector<double> frequency;      ///< frequencies of the rings, in units of `unit`
+    double unit = 0;  ///< unit of frequencies, near the principal frequency: sqrt(n / area) or cbrt(n / volume)
+    std::vector<double> frequency;      ///< frequencies of the rings or, in space, shells, in units of `unit`
     std::vector<double> power;          ///< mean power of each ring
     std::vector<double> anisotropy_db;  ///< variance / squared mean of each ring's power; -10 log10(sets) if isotropic
 
-    /// Mean power of the frequencies below 0.5; none if there are no such frequencies.
+    /// Mean power of the frequencies below 0.5 or, in space, half the principal frequency, 0.5456; none if there are no
+    /// such frequencies.
     std::optional<double> low_frequency_power;
 
     Spectrum spectrum;
 
     /// Least and mean distance of a set's points to their nearest neighbours, averaged over the sets. The unit is the
-    /// hexagonal distance, sqrt(2 / (sqrt(3) n)) for unit area.
+    /// hexagonal distance, sqrt(2 / (sqrt(3) n)) for unit area, or the face-centred cubic one, kCubicSpacing.
     double min_distance = 0;
     double mean_distance = 0;
 };
@@ -84,6 +86,15 @@ struct Analysis {
 /// Sources: Ulichney 1987; Bartlett 1955. Departure: the mean is subtracted from windows.
 Result<Analysis> analyse(std::span<const std::vector<Point>> sets, const Domain& domain, const AnalysisOptions& options,
                          const std::stop_token& stop = {});
+
+/// Measures points in space in the same way, in a box from the origin or, if periodic, a torus. Differences:
+/// frequencies (i, j, k) are grouped into shells of width 1 / cbrt(volume), and N = 64 max_frequency^3 n, so
+/// max_frequency^3 n can be up to 8 million. With max_frequency = 2, 16,384 points take 0.3 s and 140 MB, 131,072 points take 3 s and
+/// 620 MB, and a million points take 80 s and 1.2 GB.
+///
+/// @param sides  Error::field is "domain" if they are not positive and finite
+Result<Analysis> analyse(std::span<const std::vector<Point3>> sets, Point3 sides, bool periodic,
+                         const AnalysisOptions& options, const std::stop_token& stop = {});
 
 /// Largest number of cells that the transform of a set may need.
 inline constexpr std::size_t kMaxTransformCells = std::size_t{1} << 29;

@@ -9,15 +9,12 @@
 #include <utility>
 #include <vector>
 
+#include "core/geometry/axes.h"
+
 namespace ccdt {
 namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
-
-/// Coordinate of a site on one axis. Axes are numbered from 0.
-double along(Point p, std::size_t axis) {
-    return axis == 0 ? p.x : p.y;
-}
 
 /// A point of a surface, with the normal there.
 struct Oriented {
@@ -25,12 +22,13 @@ struct Oriented {
     Point3 normal;
 };
 double along(const Oriented& p, std::size_t axis) {
-    return axis == 0 ? p.point.x : axis == 1 ? p.point.y : p.point.z;
+    return along(p.point, axis);
 }
 
 /// Squared distance of two points; infinite if they are not neighbours.
-double squared_distance(Point a, Point b) {
-    const Point apart = a - b;
+template <class P>
+double squared_distance(const P& a, const P& b) {
+    const P apart = a - b;
     return dot(apart, apart);
 }
 double squared_distance(const Oriented& a, const Oriented& b) {
@@ -39,7 +37,7 @@ double squared_distance(const Oriented& a, const Oriented& b) {
 }
 
 /// A k-d tree in one array. The middle element of each range splits the range along its longest axis.
-template <class Site, std::size_t kAxes>
+template <class Site, std::size_t kCount>
 class Tree {
 public:
     explicit Tree(std::size_t size) { nodes_.reserve(size); }
@@ -73,8 +71,8 @@ private:
         if (end - begin < 2) return;
         const auto first = nodes_.begin() + static_cast<std::ptrdiff_t>(begin);
         const auto last = nodes_.begin() + static_cast<std::ptrdiff_t>(end);
-        std::array<double, kAxes> extents{};
-        for (std::size_t axis = 0; axis < kAxes; ++axis) {
+        std::array<double, kCount> extents{};
+        for (std::size_t axis = 0; axis < kCount; ++axis) {
             const auto [low, high] = std::minmax_element(first, last, [axis](const Node& a, const Node& b) {
                 return along(a.site, axis) < along(b.site, axis);
             });
@@ -106,17 +104,18 @@ private:
     std::vector<Node> nodes_;
 };
 
-using PlaneTree = Tree<Point, 2>;
-
 /// Searches from the periodic copies of a site. Returns the squared distance of the nearest neighbour, at most `best`.
-double search_around(const PlaneTree& tree, std::size_t index, Point sides, double best) {
-    for (const double right : {-1, 0, 1}) {
-        for (const double up : {-1, 0, 1}) {
-            if (right == 0 && up == 0) continue;
-            const Point copy = tree.site(index) + Point{right * sides.x, up * sides.y};
-            const Point inside{std::clamp(copy.x, 0.0, sides.x), std::clamp(copy.y, 0.0, sides.y)};
-            if (squared_distance(copy, inside) < best) best = tree.nearest(copy, index, best);
+template <class P>
+double search_around(const Tree<P, kAxes<P>>& tree, std::size_t index, const P& sides, double best) {
+    constexpr int kCopies = kAxes<P> == 2 ? 9 : 27, kOriginal = kCopies / 2;
+    for (int number = 0; number < kCopies; ++number) {
+        if (number == kOriginal) continue;
+        P copy = tree.site(index), inside = copy;
+        for (std::size_t axis = kAxes<P>, rest = static_cast<std::size_t>(number); axis-- > 0; rest /= 3) {
+            along(copy, axis) += (static_cast<double>(rest % 3) - 1) * along(sides, axis);
+            along(inside, axis) = std::clamp(along(copy, axis), 0.0, along(sides, axis));
         }
+        if (squared_distance(copy, inside) < best) best = tree.nearest(copy, index, best);
     }
     return best;
 }
@@ -138,16 +137,25 @@ Spacing summarise(std::size_t count, const std::stop_token& stop, Nearest&& near
     return spacing;
 }
 
-}  // namespace
-
-Spacing measure_spacing(std::span<const Point> points, Point sides, bool periodic, const std::stop_token& stop) {
-    PlaneTree tree(points.size());
-    for (const Point& p : points) tree.add(p);
+template <class P>
+Spacing measure(std::span<const P> points, const P& sides, bool periodic, const std::stop_token& stop) {
+    Tree<P, kAxes<P>> tree(points.size());
+    for (const P& p : points) tree.add(p);
     tree.build();
     return summarise(tree.size(), stop, [&](std::size_t i) {
         const double best = tree.nearest(tree.site(i), i, kFar);
         return periodic ? search_around(tree, i, sides, best) : best;
     });
+}
+
+}  // namespace
+
+Spacing measure_spacing(std::span<const Point> points, Point sides, bool periodic, const std::stop_token& stop) {
+    return measure(points, sides, periodic, stop);
+}
+
+Spacing measure_spacing(std::span<const Point3> points, Point3 sides, bool periodic, const std::stop_token& stop) {
+    return measure(points, sides, periodic, stop);
 }
 
 Spacing measure_spacing(std::span<const Point3> points, std::span<const Point3> normals, const std::stop_token& stop) {

@@ -17,12 +17,13 @@ struct Spacing {
 
 /// Measures the distances of nearest neighbours by a k-d tree. Clusters and gaps do not affect the speed.
 ///
-/// @param points    [n], n >= 2, in [0, sides.x] x [0, sides.y]
+/// @param points    [n], n >= 2, in [0, sides.x] x [0, sides.y], and [0, sides.z] in space
 /// @param sides     > 0
 /// @param periodic  whether opposite sides are joined, so that distances are measured around the torus
 ///
 /// A stop ends the measurement early; the result must not be used then. O(n log n).
 Spacing measure_spacing(std::span<const Point> points, Point sides, bool periodic, const std::stop_token& stop);
+Spacing measure_spacing(std::span<const Point3> points, Point3 sides, bool periodic, const std::stop_token& stop);
 
 /// Measures the distances of nearest neighbours on a surface, along straight lines. Points whose normals are more than
 /// 90 degrees apart are on different sides of a thin plate, so they are not neighbours.

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/geometry/axes.h"
 #include "core/geometry/point3.h"
 #include "core/result.h"
 
@@ -61,13 +62,5 @@ private:
     std::vector<double> sums_;
     std::vector<bool> positive_;  ///< [voxels] whether the density is > 0; empty if it is everywhere
 };
-
-/// Returns the coordinate of a point along an axis (0, 1 or 2).
-inline double& along(Point3& p, std::size_t axis) {
-    return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
-}
-inline double along(const Point3& p, std::size_t axis) {
-    return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
-}
 
 }  // namespace ccdt

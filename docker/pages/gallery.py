@@ -19,6 +19,7 @@ import numpy
 from PIL import Image
 
 import pictures
+import space
 import surface
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
@@ -32,6 +33,7 @@ INPUTS = (*(SAMPLES / name for name in ("astronaut.jpg", "camera.jpg", "cat.jpg"
 PATIENCE = 60
 
 UNIT_TORUS = '{"type":"torus","width":1,"height":1}'
+TORUS_IN_SPACE = '{"type":"torus","width":1,"height":1,"depth":1}'
 
 
 @dataclasses.dataclass
@@ -132,6 +134,13 @@ def draw_surface(file, _, first=None):
     answer = json.loads(file.read_text())
     drawing = file.with_suffix(".webp")
     surface.draw(answer, surface.read_obj(MESH), first).save(drawing, quality=80)
+    return drawing
+
+
+def draw_space(file, _):
+    """Draws points in the unit cube as balls."""
+    drawing = file.with_suffix(".webp")
+    space.draw(json.loads(file.read_text())).save(drawing, quality=80)
     return drawing
 
 
@@ -285,6 +294,20 @@ SECTIONS = (
                     "The cow, covered with white dots, some of which are black",
                     "ccdt sample spot.obj --sites 3000 --order progressive -o first.json",
                     draw=functools.partial(draw_surface, first=500)),
+        )),
+    Section("Space", """Points are spread evenly in boxes and tori in space, also by a density on voxels. The lists of
+        points are drawn as balls, and the nearer ones are darker.""", (
+            Exhibit("A torus: copies side by side fill space without seams.", "Balls, evenly spread in a cube",
+                    f"ccdt sample --domain '{TORUS_IN_SPACE}' --sites 1500 -o torus.json", draw=draw_space),
+            Exhibit("A density in four steps, each four times as dense as the one before.",
+                    "Balls in a cube, few at its left side and many at its right side",
+                    f"ccdt sample --domain '{TORUS_IN_SPACE.replace('torus', 'box')}' "
+                    "--density '{\"width\":4,\"height\":1,\"depth\":1,\"values\":[1,4,16,64]}' --sites 2500 -o steps.json",
+                    draw=draw_space),
+            Exhibit("Thin slabs of a torus next to each other, and a slice of the spectrum: low frequencies are dark.",
+                    "Points in four slabs, a spectrum with a dark disc in the middle, and its radially averaged power",
+                    f"ccdt sample --domain '{TORUS_IN_SPACE}' --sites 8192 -o space.csv\n"
+                    f"ccdt analyze space.csv --domain '{TORUS_IN_SPACE}' -o space.svg", is_wide=True),
         )),
     Section("Devices", """Electronic paper and label printers show one of a few colours in each pixel. The picture has
         exactly the pixels of the device, each of which is one pixel here, in the colours that are seen on it.""", (

@@ -46,6 +46,7 @@ constexpr auto kSampleExamples = std::to_array<std::string_view>({
 constexpr auto kAnalyzeExamples = std::to_array<std::string_view>({
     "ccdt analyze points.csv -o spectrum.svg",
     R"(ccdt analyze points.npy --domain '{"type":"rectangle","width":4,"height":3}')",
+    R"(ccdt analyze space.npy --domain '{"type":"torus","width":1,"height":1,"depth":1}')",
 });
 
 const std::array kCommands = {
@@ -65,9 +66,10 @@ const std::array kCommands = {
             }},
     Command{
         "analyze", "measure how evenly points are spread", "[POINTS...] [OPTION]...",
-        "POINTS is a CSV file with the columns x and y, an NPY file with an array of at least two columns, a JSON "
-        "list of positions, GeoJSON, or a JSON answer of ccdt sample or ccdt halftone. Without POINTS, --sets gives "
-        "sets of points.",
+        "POINTS is a CSV file with the columns x and y, an NPY file with an array of at least two columns, a PLY, a "
+        "JSON list of positions, GeoJSON, or a JSON answer of ccdt sample or ccdt halftone. If --domain has a depth, "
+        "the "
+        "points are in space: they have a third column, z. Without POINTS, --sets gives sets of points.",
         kAnalyzeExamples, kAnalyzeSchemas, [] { return api::files_of(api::analyze_formats()); }},
 };
 

@@ -13,6 +13,7 @@
 #include "api/text/base64.h"
 #include "api/text/numbers.h"
 #include "api/text/text.h"
+#include "core/geometry/axes.h"
 #include "server/cli/files.h"
 
 namespace ccdt::server {
@@ -66,16 +67,26 @@ Result<std::string> build_object(std::string first, const Arguments& arguments) 
     return body += '}';
 }
 
-std::string list_of(const std::vector<Point>& points) {
+template <class P>
+std::string list_of(const std::vector<P>& points) {
     std::string text = "[";
-    for (const Point& point : points) {
+    for (const P& point : points) {
         text += text.size() > 1 ? ",[" : "[";
-        api::append_shortest(text, point.x);
-        text += ',';
-        api::append_shortest(text, point.y);
+        for (std::size_t axis = 0; axis < kAxes<P>; ++axis) {
+            if (axis > 0) text += ',';
+            api::append_shortest(text, along(point, axis));
+        }
         text += ']';
     }
     return text += ']';
+}
+
+/// Whether the option `domain` is a domain in space, which has a depth.
+bool is_in_space(const Arguments& arguments) {
+    const std::string* const domain = arguments.find("domain");
+    if (domain == nullptr) return false;
+    const auto parsed = api::JsonDocument::parse(*domain);
+    return parsed && parsed->root().is_object() && parsed->root().find("depth");
 }
 
 /// Whether the service accepts the options beside this body as query parameters.
@@ -92,9 +103,9 @@ Result<std::string> build_sample_body(const Arguments& arguments, const std::str
 
 Result<std::string> build_analyze_body(const Arguments& arguments, const std::string* file) {
     if (file == nullptr) return build_object("{", arguments);
-    const auto points = api::read_point_file(*file, arguments.limits);
-    if (!points) return tl::unexpected(points.error());
-    return build_object(R"({"points":)" + list_of(*points), arguments);
+    const auto build = [&](const auto& points) { return build_object(R"({"points":)" + list_of(points), arguments); };
+    if (is_in_space(arguments)) return api::read_space_point_file(*file, arguments.limits).and_then(build);
+    return api::read_point_file(*file, arguments.limits).and_then(build);
 }
 
 /// Returns the formats between which a command chooses.

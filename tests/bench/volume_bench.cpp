@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
-#include <numeric>
 #include <span>
 #include <thread>
 #include <vector>
 
 #include <benchmark/benchmark.h>
 
+#include "core/analysis/analysis.h"
 #include "core/order/progressive_order.h"
 #include "core/parallel/thread_executor.h"
-#include "core/polish/cell_list.h"
 #include "core/random.h"
 #include "core/volume/distribute_volume.h"
 #include "core/volume/volume_spacing.h"
@@ -23,58 +21,15 @@ namespace {
 
 constexpr BoxDomain3 kTorus{{1, 1, 1}, true};
 
-/// Returns the distance of each point of a torus to the nearest other point, relative to the densest packing.
-std::vector<double> nearest_distances(std::span<const Point3> points) {
-    const double densest = VolumeSpacing::kDensest / std::cbrt(static_cast<double>(points.size()));
-    const Point3 margin{densest, densest, densest};
-    std::vector<Point3> places(points.begin(), points.end());
-    for (const Point3 p : points) {
-        kTorus.for_copies(p, {Point3{} - margin, kTorus.sides + margin}, [&](Point3 copy, bool is_original) {
-            if (!is_original) places.push_back(copy);
-        });
-    }
-    const CellList3 cells(places);
-    std::vector<double> distances;
-    for (std::uint32_t i = 0; i < points.size(); ++i) {
-        double squared = densest * densest;
-        cells.for_near(points[i], densest, [&](Point3 q, std::uint32_t number) {
-            if (number != i) squared = std::min(squared, dot(q - points[i], q - points[i]));
-        });
-        distances.push_back(std::sqrt(squared) / densest);
-    }
-    return distances;
+/// Measures points of the torus.
+Analysis measure(std::span<const Point3> points) {
+    const std::vector<Point3> set(points.begin(), points.end());
+    return *analyse(std::span(&set, 1), kTorus.sides, true, {.max_frequency = 1});
 }
 
-double mean_of(std::span<const double> values) {
-    return std::reduce(values.begin(), values.end()) / static_cast<double>(values.size());
-}
-
-/// Returns the mean power of waves below half the principal frequency of the densest packing, in dB. Of many waves,
-/// uses an even selection.
-double low_power(std::span<const Point3> points) {
-    constexpr double kMostTerms = 4e7;
-    const auto count = static_cast<double>(points.size());
-    const double end = std::sqrt(1.5) / VolumeSpacing::kDensest * std::cbrt(count) / 2;
-    const int highest = static_cast<int>(end);
-    const double waves = 2 * std::numbers::pi / 3 * end * end * end;
-    const auto step = static_cast<std::size_t>(std::max(1.0, waves * count / kMostTerms));
-    std::size_t number = 0;
-    std::vector<double> powers;
-    for (int i = 0; i <= highest; ++i) {
-        for (int j = -highest; j <= highest; ++j) {
-            for (int k = -highest; k <= highest; ++k) {
-                const double squared = i * i + j * j + k * k;
-                if (squared == 0 || squared >= end * end || number++ % step != 0) continue;
-                std::complex<double> wave = 0;
-                for (const Point3 p : points)
-                    wave += std::polar(1.0, 2 * std::numbers::pi * (i * p.x + j * p.y + k * p.z));
-                powers.push_back(std::norm(wave) / count);
-            }
-        }
-    }
-    double sum = 0;
-    for (const double power : powers) sum += power;
-    return 10 * std::log10(sum / static_cast<double>(powers.size()));
+/// Returns the mean power below half the principal frequency, in dB.
+double power_db(const Analysis& analysis) {
+    return 10 * std::log10(*analysis.low_frequency_power);
 }
 
 /// Returns the smallest dihedral angle of a tetrahedron, in degrees.
@@ -134,10 +89,10 @@ void VolumePattern(benchmark::State& state) {
     }
     state.counters["over_delaunay"] = median(ours) / median(yardstick);
     state.counters["delaunay_ms"] = median(yardstick);
-    const std::vector<double> distances = nearest_distances(points);
-    state.counters["least"] = std::ranges::min(distances);
-    state.counters["mean"] = mean_of(distances);
-    state.counters["power_db"] = low_power(points);
+    const Analysis analysis = measure(points);
+    state.counters["least"] = analysis.min_distance;
+    state.counters["mean"] = analysis.mean_distance;
+    state.counters["power_db"] = power_db(analysis);
     const std::vector<double> angles = dihedral_angles(points);
     const auto flat = static_cast<double>(std::ranges::lower_bound(angles, 15.0) - angles.begin());
     state.counters["flat_percent"] = 100 * flat / static_cast<double>(angles.size());
@@ -169,13 +124,12 @@ void VolumeOrder(benchmark::State& state) {
         const double share = std::pow(64, static_cast<double>(i) / (kCounts - 1) - 1);
         const auto first =
             std::span(ordered).first(static_cast<std::size_t>(share * static_cast<double>(ordered.size())));
-        const std::vector<double> distances = nearest_distances(first);
-        const double average = mean_of(distances), level = low_power(first);
-        least = std::min(least, std::ranges::min(distances));
-        mean = std::min(mean, average);
-        mean_sum += average;
-        power = std::max(power, level);
-        power_sum += std::pow(10, level / 10);
+        const Analysis analysis = measure(first);
+        least = std::min(least, analysis.min_distance);
+        mean = std::min(mean, analysis.mean_distance);
+        mean_sum += analysis.mean_distance;
+        power = std::max(power, power_db(analysis));
+        power_sum += *analysis.low_frequency_power;
     }
     state.counters["least"] = least;
     state.counters["mean"] = mean;

@@ -10,7 +10,7 @@ namespace ccdt::fuzz {
 namespace {
 
 constexpr api::Limits kLimits = {.max_sites = 1'000, .max_pixels = 4'096};
-constexpr double kMaxWork = 256;  ///< maximum of points * max_frequency^2 for which a request is computed
+constexpr double kMaxWork = 256;  ///< maximum of points * max_frequency^dimensions for which a request is computed
 
 /// Numbers of points of a request.
 struct Count {
@@ -20,10 +20,14 @@ struct Count {
 
 Count count_points(const api::AnalyzeRequest& request) {
     Count count;
-    for (const auto& set : request.sets) {
-        count.largest = std::max(count.largest, set.size());
-        count.all += set.size();
-    }
+    std::visit(
+        [&](const auto& given) {
+            for (const auto& set : given.sets) {
+                count.largest = std::max(count.largest, set.size());
+                count.all += set.size();
+            }
+        },
+        request.points);
     return count;
 }
 
@@ -66,11 +70,14 @@ void run(api::AnalyzeRequest request, const api::AnalysisFormat& format, std::st
 void check_request(const api::AnalyzeRequest& request, std::string_view body) {
     const double frequency = request.options.max_frequency;
     CCDT_CHECK(frequency >= 1 && frequency <= 16);
-    CCDT_CHECK(request.domain.width > 0 && request.domain.height > 0);
-    CCDT_CHECK(!request.single || request.sets.size() == 1);
+    const auto* const flat = std::get_if<api::PlaneSets>(&request.points);
+    const auto* const space = std::get_if<api::SpaceSets>(&request.points);
+    CCDT_CHECK(!flat || (flat->domain.width > 0 && flat->domain.height > 0));
+    CCDT_CHECK(!space || std::min({space->domain.sides.x, space->domain.sides.y, space->domain.sides.z}) > 0);
+    CCDT_CHECK(!request.single || (flat ? flat->sets.size() : space->sets.size()) == 1);
     const Count points = count_points(request);
     CCDT_CHECK(points.all <= kLimits.max_sites);
-    if (static_cast<double>(points.largest) * frequency * frequency > kMaxWork) return;
+    if (static_cast<double>(points.largest) * std::pow(frequency, space ? 3 : 2) > kMaxWork) return;
     for (const api::AnalysisFormat* format : api::analyze_formats()) {
         if (format->file.name != "png") run(request, *format, body);
     }

@@ -21,9 +21,9 @@ def noise(points, seed=1):
     return numpy.random.default_rng(seed).random((points, 2))
 
 
-def power(points, i, j):
-    """Returns the periodogram on the unit torus at frequency (i, j), computed by its definition."""
-    return abs(numpy.exp(-2j * numpy.pi * (points @ (i, j))).sum()) ** 2 / len(points)
+def power(points, *frequency):
+    """Returns the periodogram on the unit torus at a frequency, computed by its definition."""
+    return abs(numpy.exp(-2j * numpy.pi * (points @ frequency)).sum()) ** 2 / len(points)
 
 
 def nearest(points):
@@ -55,6 +55,22 @@ class Figures(AnalyzeCase):
         self.assertEqual(values[middle], 0)
         for i, j in ((1, 0), (0, 1), (3, -7), (-20, 11), (middle[1], middle[0]), (-middle[1], middle[0])):
             self.assertAlmostEqual(values[middle[0] + j, middle[1] + i], power(points, i, j), delta=1e-7)
+
+    def test_spectrum_in_space_equals_its_definition(self):
+        points = numpy.random.default_rng(2).random((60, 3))
+        result = self.analyze(points=points.tolist(), spectrum=True)
+        values = numpy.array(result["spectrum"]["values"]).reshape(result["spectrum"]["height"], -1)
+        middle = numpy.array(values.shape) // 2
+        for i, j in ((1, 0), (0, 1), (3, -7), (-4, 8)):
+            self.assertAlmostEqual(values[middle[0] + j, middle[1] + i], power(points, i, j, 0), delta=1e-7)
+        apart = numpy.abs(points[:, None] - points[None, :])
+        squared = (numpy.minimum(apart, 1 - apart) ** 2).sum(axis=2) + 9 * numpy.eye(60)
+        self.assertAlmostEqual(result["min_distance"], (squared.min() * 60 ** (2 / 3)) ** 0.5 / 2 ** (1 / 6), delta=1e-9)
+        plot = self.post("--header", "Accept: image/png", points=points.tolist())
+        self.assertEqual((plot.status, plot.type), (200, "image/png"))
+        torus = {"type": "torus", "width": 1, "height": 1}
+        problem = self.post(points=points.tolist(), domain=torus)
+        self.assertEqual((problem.status, problem.json()["errors"][0]["pointer"]), (400, "/domain"))
 
     def test_curves_are_means_over_rings(self):
         result = self.analyze(points=noise(150).tolist(), spectrum=True)

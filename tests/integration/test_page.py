@@ -51,9 +51,10 @@ class Page(ServerCase):
         packed = {path: len(gzip.compress(content)) for path, content in own.items()}
         # Other pages load the element and the module that it imports.
         self.assertLess(packed.pop("/assets/element.js") + packed["/assets/connection.js"], 9_000)
-        # The page loads the modules that draw surfaces only when it shows one.
-        surfaces = [packed.pop(path) for path in sorted(packed) if path.startswith("/assets/surface_")]
-        self.assertLess(sum(surfaces), 8_500)
+        # The page loads these modules only when it draws a surface, points in space or a mask.
+        for name in ("surface_", "volume_", "mask."):
+            lazy = [packed.pop(path) for path in sorted(packed) if path.startswith("/assets/" + name)]
+            self.assertLess(sum(lazy), 8_500)
         self.assertLess(sum(packed.values()), 80_000)
         for path, content in own.items():
             self.assertLess(len(content), 60_000, path)

@@ -30,8 +30,8 @@ function windowOf({ points, shape, outline, places }) {
 
 /** Returns the request for points in a domain, as JSON. */
 function bodyOf(points, domain) {
-  const places = Math.max(0, digits - Math.ceil(Math.log10(Math.max(domain.width, domain.height))));
-  const rounded = points.map(([x, y]) => [Number(x.toFixed(places)), Number(y.toFixed(places))]);
+  const places = Math.max(0, digits - Math.ceil(Math.log10(Math.max(domain.width, domain.height, domain.depth ?? 0))));
+  const rounded = points.map((point) => point.map((value) => Number(value.toFixed(places))));
   return JSON.stringify({ points: rounded, domain, spectrum: points.length <= maxInSpectrum });
 }
 
@@ -48,6 +48,7 @@ const notes = {
   rectangle: "The rectangle is treated as a window on a larger pattern.",
   map: "The points in the largest square inside the map are measured. Differences in density are part of the spectrum: they add power at low frequencies, near the middle and on the left.",
   polygon: "The points in the largest square inside the shape are measured. The square is treated as a window on a larger pattern.",
+  space: "The points are measured in space. The picture is a slice of their spectrum.",
   surface: "The points are measured on the surface, by its lowest Laplace-Beltrami modes instead of a spectrum.",
   halftone: "The light and dark areas of the picture are part of the spectrum: they add power at low frequencies, near the middle and on the left. The dots of all inks are measured together.",
 };
@@ -92,7 +93,7 @@ export class Analyze extends Panel {
     const { shape } = this.sample;
     if (!shape || this.sample.isMask) throw new Error("There are no points yet. Make some in the tab Sample");
     const result = this.sample.result ?? (await this.sample.fetch(signal, { onProgress: this.showJob }));
-    return { ...windowOf(result), note: notes[result.shape.domain?.type ?? (result.surface ? "surface" : result.features ? "map" : "polygon")] };
+    return { ...windowOf(result), note: notes[result.shape.domain?.depth ? "space" : result.shape.domain?.type ?? (result.surface ? "surface" : result.features ? "map" : "polygon")] };
   }
 
   refresh() {
@@ -105,6 +106,7 @@ export class Analyze extends Panel {
       this.find(".note").textContent = points.length > maxInSpectrum ? `${note} The picture of the spectrum is left out because there are too many points.` : note;
       await this.#measure("These points", mesh ? formOf(points, mesh) : bodyOf(points, domain), points.length, signal);
       const sites = Math.min(points.length, maxToCompare);
+      if (domain?.depth) return;  // the other methods work only in the plane
       for (const { name, title } of methods) {
         const other = await postJson("/sample", { sites, method: name, domain: unitTorus, seed: 1 }, signal);
         await this.#measure(title, bodyOf(other.points, unitTorus), sites, signal);

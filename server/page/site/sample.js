@@ -9,10 +9,9 @@ import { Drawing } from "./drawing.js";
 import { explain, Fields } from "./fields.js";
 import { countsOf, isGeojson, mayBeDegrees, polygonsOf } from "./geojson.js";
 import { postPatiently } from "./jobs.js";
-import { showing } from "./mask.js";
 import { Panel } from "./panel.js";
 import { Plotter } from "./plotter.js";
-import { drawingFields, fields, fileFields, formats, masks, methodNamed, moreFields, maxPoints, shapeFields, surfaceFields, surfaces } from "./sample_options.js";
+import { drawingFields, fields, fileFields, formats, masks, methodNamed, moreFields, maxPoints, shapeFields, surfaceFields, surfaces, volumes } from "./sample_options.js";
 import { areaOf, boundsOf, firstPolygon, outlineOf, polygonOf, polygonsOfMesh, rectangle, unitTorus } from "./shape.js";
 import { Snippets } from "./snippets.js";
 import { Viewport } from "./viewport.js";
@@ -54,7 +53,8 @@ const queryOf = (options) => new URLSearchParams(Object.entries(options).map(([n
  * options are members of a JSON body.
  */
 function requestOf({ file, json, ...shape }, options) {
-  if (isDocument({ file }, options)) return { path: `/sample?${queryOf(options)}`, body: file.mesh ?? file.archive ?? file.text, type: file.type ?? "application/geo+json", file };
+  const { type: domain, ...sides } = shape.domain ?? {};
+  if (isDocument({ file }, options)) return { path: `/sample?${queryOf({ ...options, ...(domain && { domain, ...sides }) })}`, body: file.mesh ?? file.archive ?? file.text, type: file.type ?? "application/geo+json", file };
   const members = file ? { ...options, geometry: json } : { ...options, ...shape };
   return { path: "/sample", body: JSON.stringify(members), type: "application/json" };
 }
@@ -69,9 +69,13 @@ const isArchive = async (file) => (await file.slice(0, 4).text()) === "PK\u0003\
 
 /**
  * Reads a file. Returns {name, text}, with `archive` and its `type` for a zipped shapefile, or {name, mesh, type} for a
- * mesh. Only the server can read shapefiles, so their outline is the boundary of a triangulation from the server.
+ * mesh, also with the sides of the array as `voxels` for an NPY file. Only the server can read shapefiles, so their
+ * outline is the boundary of a triangulation from the server.
  */
 async function documentOf(file) {
+  const head = await file.slice(0, 200).text();
+  const voxels = head.includes("NUMPY") && head.match(/\((\d+), (\d+), (\d+)\)/);
+  if (voxels) return { name: file.name, mesh: file, type: "application/x-npy", voxels: voxels.slice(1).reverse().join(",") };
   if (await isMesh(file)) return { name: file.name, mesh: file, type: "application/octet-stream" };
   if (!(await isArchive(file))) return { name: file.name, text: await file.text() };
   const mesh = await (await post("/sample?sites=1&iterations=0&mesh=true", file, { type: "application/zip" })).json();
@@ -117,7 +121,7 @@ function readCorners(text) {
 }
 
 export class Sample extends Panel {
-  #shapes = { polygon: structuredClone(firstPolygon), rectangle: { domain: rectangle }, torus: { domain: unitTorus }, mask: { domain: { ...unitTorus, width: 64, height: 64 } } };
+  #shapes = { polygon: structuredClone(firstPolygon), rectangle: { domain: rectangle }, torus: { domain: unitTorus }, box: { domain: { ...unitTorus, type: "box", depth: 1 } }, space: { domain: { ...unitTorus, depth: 1 } }, mask: { domain: { ...unitTorus, width: 64, height: 64 } } };
   #frames = new Map();
   #result = null;
   #kept = null;
@@ -216,7 +220,7 @@ export class Sample extends Panel {
       this.#takeShape(this.#own, []);
       return true;
     }
-    this.shapeChoice.value = ["rectangle", "torus", "mask"].includes(shape) ? shape : "polygon";
+    this.shapeChoice.value = ["rectangle", "torus", "box", "space", "mask"].includes(shape) ? shape : "polygon";
     this.#shapes.polygon = readCorners(corners) ?? structuredClone(firstPolygon);
     this.#shapeChosen();
     return true;
@@ -241,6 +245,14 @@ export class Sample extends Panel {
 
   get isSurface() {
     return this.shapeChoice.value === "surface";
+  }
+
+  get isVolume() {
+    return Boolean(this.shape?.domain?.depth);
+  }
+
+  get #isSpatial() {
+    return this.isSurface || this.isVolume;
   }
 
   get #onGlobe() {
@@ -335,13 +347,20 @@ export class Sample extends Panel {
   }
 
   /**
-   * Shows a GeoJSON document or a mesh. Throws if a document contains no polygons.
+   * Shows a GeoJSON document or a mesh, or takes voxels as the density in a box. Throws if a document contains no polygons.
    *
    * @param file     result of `documentOf`; also `path` for a file of the server, and `isSample` for a mesh of the page
    * @param counted  names of the properties that points count
    */
   #takeDocument(file, counted = []) {
     const number = ++filesTaken;
+    if (file.voxels) {
+      if (!this.isVolume) this.shapeChoice.value = "box";
+      this.shapeFields.put("volume", file.voxels);
+      this.#takeSides();
+      this.shape.file = { ...file, number };
+      return;
+    }
     if (file.mesh) return this.#takeShape({ file: { ...file, number } }, []);
     const json = JSON.parse(file.text);
     const bounds = boundsOf(polygonsOf(json).flat());
@@ -400,10 +419,11 @@ export class Sample extends Panel {
 
   /** Sets the sides of rectangle, torus and mask. The server rejects sides that are not positive. */
   #takeSides() {
-    const { rectangle: sides = "1.5,1", torus = "1,1", tile = "64,64" } = this.shapeFields.state();
-    for (const [kind, text] of Object.entries({ rectangle: sides, torus, mask: tile })) {
-      const [width, height] = text.split(",").map(Number);
-      this.#shapes[kind] = { domain: { ...this.#shapes[kind].domain, width, height } };
+    const { rectangle: sides = "1.5,1", torus = "1,1", volume = "1,1,1", tile = "64,64" } = this.shapeFields.state();
+    for (const [kind, text] of Object.entries({ rectangle: sides, torus, box: volume, space: volume, mask: tile })) {
+      const [width, height, depth] = text.split(",").map(Number);
+      const { domain, ...others } = this.#shapes[kind];
+      this.#shapes[kind] = { ...others, domain: { ...domain, width, height, ...(depth !== undefined && { depth }) } };
     }
   }
 
@@ -447,13 +467,14 @@ export class Sample extends Panel {
     this.corners.value = JSON.stringify(this.#shapes.polygon);
     this.#result = this.#mask = null;
     this.element.classList.toggle("of-mask", this.isMask);
-    this.element.classList.toggle("of-surface", this.isSurface);
+    this.element.classList.toggle("of-surface", this.#isSpatial);
     this.#surfaceView?.clear();
     this.find(".keep").hidden = !this.shape?.file?.isSample;
     this.#tellOfAnswer({});
     this.find(".counts").hidden = kind !== "file";
     this.shapeFields.offer("coordinates", kind === "file" && this.shape?.mayBeDegrees);
     for (const [name, shape] of [["rectangle", "rectangle"], ["torus", "torus"], ["tile", "mask"], ["format", "mask"]]) this.shapeFields.offer(name, kind === shape);
+    this.shapeFields.offer("volume", this.isVolume);
     this.#stopDrawing();
     this.#tellOfShape(this.shape ? "" : "Choose or drop a GeoJSON file or a zipped shapefile");
     if (this.shape) this.#refit();
@@ -564,7 +585,7 @@ export class Sample extends Panel {
     const { options } = methodNamed(request.method);
     if (!options.includes("quality")) delete request.quality;
     else if (iteration < this.#lastIteration) request.quality = "draft";
-    if (options.includes("iterations")) request.iterations = iteration;
+    if (options.includes("iterations") && !this.isVolume) request.iterations = iteration;
     if (this.mesh.checked && !this.mesh.disabled) request.mesh = true;
     const { counted, per } = this.#counting();
     if (counted.length === 0) return request;
@@ -573,7 +594,7 @@ export class Sample extends Panel {
   }
 
   #fileOptions(format) {
-    if (this.isMask || this.isSurface) return {};
+    if (this.isMask || this.#isSpatial) return {};
     if (formats.find(({ name }) => name === format).drawn)
       return { ...this.drawingFields.values(), ...(this.plotter.isOn && this.plotter.options(format)) };
     const { properties, multipoint } = this.fileFields.values();
@@ -584,7 +605,7 @@ export class Sample extends Panel {
   }
 
   async #plot(signal) {
-    if (!this.plotter.isOn || this.isSurface) return;
+    if (!this.plotter.isOn || this.#isSpatial) return;
     const response = await this.#ask({ ...this.options(), ...this.#fileOptions("svg"), format: "svg" }, signal);
     this.plotter.showDrawing(await response.text());
   }
@@ -603,30 +624,31 @@ export class Sample extends Panel {
 
   #offerFields() {
     const isMap = this.#counting().counted.length > 0;
-    const { isSurface } = this;
+    const { isSurface, isVolume } = this;
+    const isFlat = !isSurface && !isVolume;
     this.fields.offer("sites", !isMap && !this.isMask);
-    this.fields.offer("method", !isMap && !this.isMask && !isSurface);
+    this.fields.offer("method", !isMap && !this.isMask && isFlat);
     for (const { name } of surfaceFields) this.surfaceFields.offer(name, isSurface);
     this.fields.offer("quality", !this.isMask);
     if (this.isMask) this.offerDownloads(masks, "mask");
-    else if (isSurface) this.offerDownloads(surfaces.formats, "points", Object.keys(this.options()));
+    else if (!isFlat) this.offerDownloads((isVolume ? volumes : surfaces).formats, "points", Object.keys(this.options()));
     else this.offerDownloads(formats, "points", Object.keys(this.#fileOptions("svg")));
     this.countFields?.offer("per", isMap);
     this.mesh.disabled = isMap;
     const { options, max_sites: most } = methodNamed(this.options().method);
-    this.iteration.disabled = !options.includes("iterations");
+    this.iteration.disabled = isVolume || !options.includes("iterations");
     this.fields.enable("quality", options.includes("quality"));
     this.fields.limit("sites", most);
-    for (const name of ["passes", "tolerance"]) this.moreFields.offer(name, options.includes(name) && (name !== "tolerance" || !isSurface));
-    for (const name of ["density", "invalid"]) this.moreFields.offer(name, !isSurface);
-    this.moreFields.allow("order", "path", !isSurface);
+    for (const name of ["passes", "tolerance"]) this.moreFields.offer(name, options.includes(name) && (isFlat || (isSurface && name === "passes")));
+    for (const name of ["density", "invalid"]) this.moreFields.offer(name, isFlat);
+    this.moreFields.allow("order", "path", isFlat);
     this.moreFields.offer("fixed", options.includes("fixed") && !isMap);
-    const isTorus = this.shapeChoice.value === "torus";
+    const isTorus = this.shape?.domain?.type === "torus";
     this.fields.allow("quality", "stealthy", isTorus);
     for (const name of ["properties", "multipoint"]) this.fileFields.offer(name, this.shapeChoice.value === "file");
     this.find(".of-files").hidden = this.find(".files-title").hidden = this.shapeChoice.value !== "file";
     for (const name of ["dot", "width_mm", "style"]) this.drawingFields.offer(name, !this.plotter.isOn);
-    for (const name of ["avoid", "exclude", "buffer"]) this.moreFields.offer(name, !isMap && !isTorus && !isSurface);
+    for (const name of ["avoid", "exclude", "buffer"]) this.moreFields.offer(name, !isMap && !isTorus && isFlat);
   }
 
   #isKept(options) {
@@ -669,10 +691,13 @@ export class Sample extends Panel {
   }
 
   async #showSurface(frame) {
-    const { SurfaceView } = await import("./surface_view.js");
+    const { SurfaceView, sceneOf } = await import("./surface_view.js");
+    const { domain, file } = frame.shape;
+    const scene = domain ? (await import("./volume_scene.js")).volumeSceneOf(domain, frame) : sceneOf(frame.surface, frame);
     if (frame !== this.#result) return;
     this.#surfaceView ??= new SurfaceView(this.find("canvas.of-surfaces"), this.find(".zoom.of-surfaces"));
-    this.#surfaceView.show(frame.surface, frame, { file: frame.shape.file, hasEdges: this.mesh.checked });
+    const isUpright = !domain && !/\.stl$/i.test(file.name);  // the z axis points up for volumes and STL files
+    this.#surfaceView.show(scene, { object: file ?? JSON.stringify(domain), isUpright, hasEdges: this.mesh.checked && !domain });
     this.#showFirst();
   }
 
@@ -682,9 +707,9 @@ export class Sample extends Panel {
     if (!this.shape || this.drawing.ring) return;
     this.#isStale = false;
     this.#offerFields();
-    if (!this.isSurface) this.plotter.wait();
+    if (!this.#isSpatial) this.plotter.wait();
     if (!draft) this.note();
-    this.snippets.showSample(requestOf(this.shape, this.options()), this.isMask);
+    this.snippets.showSample(requestOf(this.shape, this.options()), this);
     if (this.isMask) return this.#refreshMask(draft);
     this.start(async (signal) => {
       const start = performance.now();
@@ -692,10 +717,11 @@ export class Sample extends Panel {
       if (signal.aborted) return;
       this.#result = frame;
       this.viewport.redraw();
-      if (frame.surface) await this.#showSurface(frame);
+      if (this.#isSpatial) await this.#showSurface(frame);
       this.#tellOfAnswer(frame);
       const apart = frame.pitch_m && !frame.features ? `${metres(frame.pitch_m)} apart, ` : "";
-      const summary = `${count(frame.sites)} points, ${apart}variation ${frame.variation.toFixed(3)}, ${seconds(start)}`;
+      const variation = frame.variation === undefined ? "" : `variation ${frame.variation.toFixed(3)}, `;
+      const summary = `${count(frame.sites)} points, ${apart}${variation}${seconds(start)}`;
       if (!draft) this.status.textContent = summary;
       if (!draft || this.#isKept(this.options(this.#lastIteration))) await this.#showTrace(signal);
       if (!draft) this.status.textContent = summary;  // the job of the trace may have cleared the text
@@ -707,6 +733,7 @@ export class Sample extends Panel {
     this.start(async (signal) => {
       const start = performance.now();
       const response = await this.#ask(this.options(), signal);
+      const { showing } = await import("./mask.js");
       const mask = await showing(await response.blob());
       if (signal.aborted) return;
       this.#mask = mask;
@@ -746,7 +773,7 @@ export class Sample extends Panel {
 
   async #showTrace(signal) {
     const place = this.find(".trace");
-    const hasTrace = methodNamed(this.options().method).options.includes("iterations") && this.#counting().counted.length === 0;
+    const hasTrace = methodNamed(this.options().method).options.includes("iterations") && !this.isVolume && this.#counting().counted.length === 0;
     place.hidden = !hasTrace;
     if (!hasTrace) return;
     const { trace } = await this.#frame(this.options(this.#lastIteration), signal);
@@ -785,7 +812,7 @@ export class Sample extends Panel {
   }
 
   #draw(context) {
-    if (!this.shape || this.isSurface) return;
+    if (!this.shape || this.#isSpatial) return;
     if (this.isMask) return this.#drawMask(context);
     this.#drawOutline(context);
     const result = this.#result;

@@ -3,7 +3,7 @@
 
 import { capabilities } from "./api.js";
 
-export const { formats, masks, methods, surfaces } = capabilities.sample;
+export const { formats, masks, methods, surfaces, volumes } = capabilities.sample;
 export const { max_sites: maxPoints } = capabilities.limits;
 const [standard] = methods;
 
@@ -25,6 +25,8 @@ export const shapeFields = [
   ...[["rectangle", 1.5], ["torus", 1]].map(([name, width]) => ({
     kind: "numbers", name, label: "Sides", numbers: [{ label: "width", value: width, min: 0, step: "any" }, { label: "height", value: 1, min: 0, step: "any" }],
   })),
+  { kind: "numbers", name: "volume", label: "Sides", numbers: ["width", "height", "depth"].map((label) => ({ label, value: 1, min: 0, step: "any" })),
+    help: "For a density, choose or drop an NPY file with an array (depth, height, width). Points are denser where its values are larger." },
   { kind: "numbers", name: "tile", label: "Sides in pixels", numbers: ["width", "height"].map((label) => ({ label, value: 64, min: 8, max: 1024, step: 1 })),
     help: "The page shows the repeated mask with one tile framed, and a picture and a grey ramp dithered with it. Pixels lighter than the mask become white." },
   { kind: "choice", name: "format", label: "Thresholds", choices: masks.map(({ name, title }) => [name, title]) },

@@ -76,12 +76,13 @@ function toFile(output) {
   };
 }
 
-const toPoints = {
+/** @param member  member of the answer to print beside the number of points */
+const toPoints = (member) => ({
   output: "points.json",
-  script: "const {points, variation} = await answer.json();\nconsole.log(points.length, variation);",
-  python: ':\n    result = json.load(answer)\nprint(len(result["points"]), result["variation"])',
+  script: `const {points, ${member}} = await answer.json();\nconsole.log(points.length, ${member});`,
+  python: `:\n    result = json.load(answer)\nprint(len(result["points"]), result["${member}"])`,
   imports: "import json\n",
-};
+});
 
 function halftoneSnippets({ picture, options, file }) {
   const url = `${location.origin}/halftone${query(options)}`;
@@ -101,11 +102,11 @@ const writtenOut = (body) => ({
   before: "", browser: "", node: "", python: `r'''${body}'''.encode()`,
 });
 
-function sampleSnippets({ path, body, file }, isMask) {
+function sampleSnippets({ path, body, file }, { isMask, isVolume }) {
   const source = file ? sourceOf(file, "shape") : writtenOut(body);
   const inFile = file?.mesh ? "new Blob([shape])" : "shape";  // without a media type, because that of the browser may be wrong
   const script = file ? inFile : `JSON.stringify(${body})`;
-  return snippetsOf(location.origin + path, source, { name: "body", script }, isMask ? toFile("mask.png") : toPoints);
+  return snippetsOf(location.origin + path, source, { name: "body", script }, isMask ? toFile("mask.png") : toPoints(isVolume ? "seed" : "variation"));
 }
 
 export class Snippets {
@@ -148,8 +149,8 @@ export class Snippets {
     this.#refresh();
   }
 
-  showSample(request, isMask) {
-    this.#texts = sampleSnippets(request, isMask);
+  showSample(request, kind) {
+    this.#texts = sampleSnippets(request, kind);
     this.#refresh();
   }
 }

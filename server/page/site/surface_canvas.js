@@ -51,8 +51,9 @@ export class CanvasPainter {
       context.stroke();
     };
     const disc = (i) => {
-      const [nx, ny, nz] = pointNormals.subarray(3 * i, 3 * i + 3);
-      context.fillStyle = css(colours.ink);
+      const [nx, ny, nz] = scene.isFree ? [0, 0, 1] : pointNormals.subarray(3 * i, 3 * i + 3);
+      const fading = scene.isFree ? 0.8 * (0.5 - points[3 * i + 2]) : 0;
+      context.fillStyle = css(colours.ink.map((value, j) => value + fading * (colours.paper[j] - value)));
       context.beginPath();
       context.ellipse(x + scale * points[3 * i], y - scale * points[3 * i + 1], scale * radius, scale * radius * Math.abs(nz), Math.atan2(-ny, nx) + Math.PI / 2, 0, 2 * Math.PI);
       context.fill();

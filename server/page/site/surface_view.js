@@ -8,7 +8,7 @@ import { sceneOf } from "./surface_scene.js";
 import { WebglPainter } from "./surface_webgl.js";
 import { arrows, barButton, Viewport } from "./viewport.js";
 
-export { sampleMesh } from "./surface_scene.js";
+export { sampleMesh, sceneOf } from "./surface_scene.js";
 
 const dotShare = 0.3;  // radius of a disc, in mean distances of points
 const minRadius = 0.9;  // CSS pixels; minimum radius of a disc
@@ -52,19 +52,18 @@ export class SurfaceView extends Viewport {
   }
 
   /**
-   * Shows points on a surface. Keeps the rotation if the file is the same as before.
+   * Shows a scene. Keeps the rotation if the object is the same as before.
    *
-   * @param mesh      {vertices, triangles}
-   * @param answer    answer of the server, with the points and their normals
-   * @param file      {name}; the z axis points up for STL files, the y axis for others
-   * @param hasEdges  whether to draw the edges of the mesh
+   * @param scene      result of `sceneOf` or `volumeSceneOf`
+   * @param object     file or domain that is shown
+   * @param isUpright  whether the y axis points up, instead of the z axis
+   * @param hasEdges   whether to draw the edges of the mesh
    */
-  show(mesh, answer, { file, hasEdges }) {
-    this.#scene = sceneOf(mesh, answer);
+  show(scene, { object, isUpright, hasEdges }) {
+    this.#scene = scene;
     this.#hasEdges = hasEdges;
-    if (this.file !== file) {
-      this.file = file;
-      const isUpright = !/\.stl$/i.test(file.name);
+    if (this.object !== object) {
+      this.object = object;
       this.#start = product(rotation(0.35, 0), product(rotation(0, -0.5), rotation(isUpright ? 0 : -Math.PI / 2, 0)));
       this.reset();
     }
@@ -109,7 +108,7 @@ export class SurfaceView extends Viewport {
     this.#painter.draw(this.#scene, {
       turn: this.#turn, x: this.x + scale / 2, y: this.y + scale / 2, scale, width, height, ratio: devicePixelRatio,
       radius: Math.max(dotShare * this.#scene.pitch, minRadius / scale), first: Math.min(this.#first, this.#scene.points.length / 3), light, lineWidth: this.#hasEdges ? lineWidth : 0,
-      colours: { surface: numbersOf("--surface"), ink: numbersOf("--ink"), line: numbersOf("--accent") },
+      colours: { surface: numbersOf("--surface"), ink: numbersOf("--ink"), line: numbersOf("--accent"), paper: numbersOf("--panel") },
     });
   }
 }

@@ -36,7 +36,7 @@ void main() {
 
 // A disc is a square around the point, perpendicular to its normal, whose corners are transparent. It is moved towards
 // the viewer, so that a curved surface does not cover it. A disc that is seen from the side is moved less, because it
-// would stick out beside the surface.
+// would stick out beside the surface. Without a normal, a disc faces the viewer and fades with distance.
 const pointVertex = `#version 300 es
 uniform mat3 turn;
 uniform vec4 place;
@@ -44,24 +44,30 @@ uniform float radius;
 layout(location = 0) in vec3 point;
 layout(location = 1) in vec3 normal;
 out vec2 offset;
+out float fading;
 void main() {
+  bool isFree = normal == vec3(0);
+  vec3 facing = isFree ? vec3(0, 0, 1) * turn : normal;
   offset = 1.2 * vec2(gl_VertexID % 2 * 2 - 1, gl_VertexID / 2 * 2 - 1);
-  vec3 across = normalize(cross(normal, abs(normal.x) < 0.7 ? vec3(1, 0, 0) : vec3(0, 1, 0)));
-  vec3 at = turn * (point + radius * (offset.x * across + offset.y * cross(normal, across)));
-  float nearer = radius * (0.1 + 0.5 * abs((turn * normal).z));
+  vec3 across = normalize(cross(facing, abs(facing.x) < 0.7 ? vec3(1, 0, 0) : vec3(0, 1, 0)));
+  vec3 at = turn * (point + radius * (offset.x * across + offset.y * cross(facing, across)));
+  fading = isFree ? 0.8 * clamp(0.5 - at.z, 0.0, 1.0) : 0.0;
+  float nearer = radius * (0.1 + 0.5 * abs((turn * facing).z));
   gl_Position = vec4(place.xy + place.zw * at.xy, -at.z - nearer, 1);
 }`;
 
 const pointFragment = `#version 300 es
 precision highp float;
 uniform vec3 ink;
+uniform vec3 paper;
 in vec2 offset;
+in float fading;
 out vec4 result;
 void main() {
   float distance = length(offset);
   float cover = clamp(0.5 + (1.0 - distance) / max(fwidth(distance), 1e-6), 0.0, 1.0);
   if (cover == 0.0) discard;
-  result = cover * vec4(ink, 1);
+  result = cover * vec4(mix(ink, paper, fading), 1);
 }`;
 
 /**
@@ -132,7 +138,7 @@ export class WebglPainter {
 
   /**
    * Draws a scene.
-   * @param scene  result of `sceneOf`
+   * @param scene  result of `sceneOf` or `volumeSceneOf`
    * @param view   {turn, x, y, scale, width, height, ratio, radius, first, light, lineWidth, colours}: rotation as nine
    *               numbers in columns; place of the origin and length of a unit, in CSS pixels; size of the canvas in CSS
    *               pixels; device pixels per CSS pixel; radius of a disc; number of points to draw; direction to the
@@ -161,8 +167,9 @@ export class WebglPainter {
     const ofPoints = begin(this.points);
     gl.uniform1f(ofPoints("radius"), radius);
     gl.uniform3fv(ofPoints("ink"), colours.ink);
+    gl.uniform3fv(ofPoints("paper"), colours.paper);
     gl.enable(gl.BLEND);
-    gl.depthMask(false);  // smooth borders of discs must not hide other discs
+    gl.depthMask(Boolean(scene.isFree));  // on a surface, smooth borders of discs must not hide other discs
     gl.bindVertexArray(this.#pointArray.array);
     gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, first);
     gl.depthMask(true);

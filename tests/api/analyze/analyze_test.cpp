@@ -13,6 +13,7 @@ namespace {
 
 const std::string kPoints = R"("points":[[0.1,0.2],[0.6,0.7],[0.3,0.9],[0.8,0.4]])";
 const std::string kSets = R"("sets":[[[1,1],[2,1]],[[0,0],[3,1.5]],[[0.5,0.5],[2.5,2]]])";
+const std::string kSpacePoints = R"("points":[[0.1,0.2,0.3],[0.6,0.7,0],[0.3,0.9,1]])";
 const std::string kTorus = R"("domain":{"type":"torus","width":3,"height":2})";
 
 Result<AnalyzeRequest> parse(const std::string& body, std::string_view accept = "", const Limits& limits = {}) {
@@ -45,11 +46,12 @@ std::string lattice(int side) {
 TEST(AnalyzeRequest, HasTheDocumentedDefaults) {
     const auto request = parse('{' + kPoints + '}');
     ASSERT_TRUE(request) << request.error().message;
-    ASSERT_EQ(request->sets.size(), 1U);
-    EXPECT_EQ(request->sets[0][1], (Point{0.6, 0.7}));
-    EXPECT_EQ(request->domain.width, 1);
-    EXPECT_EQ(request->domain.height, 1);
-    EXPECT_TRUE(request->domain.periodic);
+    const auto& [sets, domain] = std::get<PlaneSets>(request->points);
+    ASSERT_EQ(sets.size(), 1U);
+    EXPECT_EQ(sets[0][1], (Point{0.6, 0.7}));
+    EXPECT_EQ(domain.width, 1);
+    EXPECT_EQ(domain.height, 1);
+    EXPECT_TRUE(domain.periodic);
     EXPECT_EQ(request->options.max_frequency, 4);
     EXPECT_FALSE(request->spectrum);
     EXPECT_EQ(request->format->file.name, "json");
@@ -59,14 +61,30 @@ TEST(AnalyzeRequest, ReadsEveryMember) {
     const auto request = parse('{' + kSets + R"(,"domain":{"type":"rectangle","width":3,"height":2},"spectrum":true,
         "max_frequency":2.5,"format":"svg"})");
     ASSERT_TRUE(request) << request.error().message;
-    ASSERT_EQ(request->sets.size(), 3U);
-    EXPECT_EQ(request->sets[1][1], (Point{3, 1.5}));
-    EXPECT_EQ(request->domain.width, 3);
-    EXPECT_EQ(request->domain.height, 2);
-    EXPECT_FALSE(request->domain.periodic);
+    const auto& [sets, domain] = std::get<PlaneSets>(request->points);
+    ASSERT_EQ(sets.size(), 3U);
+    EXPECT_EQ(sets[1][1], (Point{3, 1.5}));
+    EXPECT_EQ(domain.width, 3);
+    EXPECT_EQ(domain.height, 2);
+    EXPECT_FALSE(domain.periodic);
     EXPECT_EQ(request->options.max_frequency, 2.5);
     EXPECT_TRUE(request->spectrum);
     EXPECT_EQ(request->format->file.name, "svg");
+}
+
+TEST(AnalyzeRequest, ReadsPointsInSpace) {
+    const auto request = parse('{' + kSpacePoints + '}');
+    ASSERT_TRUE(request) << request.error().message;
+    const auto& [sets, domain] = std::get<SpaceSets>(request->points);
+    ASSERT_EQ(sets.size(), 1U);
+    EXPECT_EQ(sets[0][1], (Point3{0.6, 0.7, 0}));
+    EXPECT_EQ(domain.sides, (Point3{1, 1, 1}));
+    EXPECT_TRUE(domain.periodic);
+    EXPECT_EQ(request->options.max_frequency, 2);
+    const auto box = parse('{' + kSpacePoints + R"(,"domain":{"type":"box","width":3,"height":2,"depth":4}})");
+    ASSERT_TRUE(box) << box.error().message;
+    EXPECT_EQ(std::get<SpaceSets>(box->points).domain.sides, (Point3{3, 2, 4}));
+    EXPECT_FALSE(std::get<SpaceSets>(box->points).domain.periodic);
 }
 
 TEST(AnalyzeRequest, LocatesErrorsByJsonPointer) {
@@ -85,6 +103,12 @@ TEST(AnalyzeRequest, LocatesErrorsByJsonPointer) {
         {kPoints + R"(,"domain":{"type":"torus","width":1})", "/domain"},
         {kPoints + R"(,"domain":{"width":1,"height":1})", "/domain"},
         {kPoints + R"(,"domain":[])", "/domain"},
+        {kPoints + R"(,"domain":{"type":"box","width":1,"height":1,"depth":1})", "/domain"},
+        {kSpacePoints + R"(,"domain":{"type":"box","width":1,"height":1})", "/domain"},
+        {kSpacePoints + R"(,"domain":{"type":"rectangle","width":1,"height":1,"depth":1})", "/domain/type"},
+        {kSpacePoints + R"(,"domain":{"type":"torus","width":1,"height":1})", "/domain"},
+        {R"("points":[[0,0,0],[1,1]])", "/points/1"},
+        {R"("sets":[[[0,0,0],[1,1,1]],[[0,0],[1,1]]])", "/sets/1/0"},
         {kPoints + R"(,"spectrum":1)", "/spectrum"},
         {kPoints + R"(,"max_frequency":0.5)", "/max_frequency"},
         {kPoints + R"(,"max_frequency":17)", "/max_frequency"},
@@ -163,6 +187,8 @@ TEST(Analyze, LocatesPointsThatCannotBeAnalyzed) {
         {R"("sets":[[[0,0],[1,1]],[[0,0],[-0.5,0]]])", "/sets/1/1"},
         {kPoints + R"(,"domain":{"type":"torus","width":1e6,"height":1})", "/domain"},
         {R"("points":[[0,0],[1,1]],"domain":{"type":"rectangle","width":1,"height":1})", "/points"},
+        {R"("points":[[0,0,0],[1,1,2]])", "/points/1"},
+        {R"("points":[[0,0,0],[1,1,1]],"domain":{"type":"box","width":1,"height":1,"depth":1})", "/points"},
     };
     for (const auto& [members, field] : wrong) {
         const auto result = answer('{' + members + '}');
@@ -202,6 +228,32 @@ TEST(Analyze, DrawsThePlotAsSvg) {
     }
     EXPECT_EQ(svg.find("nan"), std::string::npos);
     EXPECT_EQ(svg.find("inf"), std::string::npos);
+}
+
+TEST(Analyze, MeasuresAndDrawsPointsInSpace) {
+    std::string points;
+    for (int i = 0; i < 64; ++i) {
+        points += (i > 0 ? ",[" : "[") + std::to_string(i % 4 / 4.0) + ',' + std::to_string(i / 4 % 4 / 2.0) + ',' +
+                  std::to_string(i / 16 / 4.0) + ']';
+    }
+    const std::string body =
+        R"({"points":[)" + points + R"(],"spectrum":true,"domain":{"type":"torus","width":1,"height":2,"depth":1}})";
+    const auto json = analyzed(body);
+    EXPECT_NEAR(json.at("min_distance"), 0.25 / (1.122462 / std::cbrt(32)), 1e-6);
+    EXPECT_NEAR(json.at("low_frequency_power"), 0, 1e-12);
+    const auto& spectrum = json.at("spectrum");
+    const int width = spectrum.at("width"), height = spectrum.at("height");
+    EXPECT_GT(height, width);
+    for (std::size_t i = 0; i < spectrum.at("values").size(); ++i) {
+        const int x = static_cast<int>(i) % width - width / 2, y = static_cast<int>(i) / width - height / 2;
+        const bool peak = x % 4 == 0 && y % 4 == 0 && (x != 0 || y != 0);
+        EXPECT_NEAR(spectrum.at("values")[i], peak ? 64 : 0, 1e-6) << x << ", " << y;
+    }
+    const auto plot = answer(body, "image/svg+xml");
+    ASSERT_TRUE(plot) << plot.error().message;
+    EXPECT_EQ(count(plot->body, "h0"), 64U) << "four layers of points, one in each slab";
+    for (const auto* words : {"64 points", "0.25 to 0.5 of the depth", "Slice of the power spectrum", "volume"})
+        EXPECT_NE(plot->body.find(words), std::string::npos) << words;
 }
 
 TEST(Analyze, ShowsOnlyTheMiddleOfManyPoints) {

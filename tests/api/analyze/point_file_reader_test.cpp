@@ -54,6 +54,33 @@ TEST(PointFileReader, ReadsThreeCoordinatesOfPointsInSpace) {
     EXPECT_EQ(read_space_point_file(R"({"seed":1,"points":[[1,2,3],[4,5,6]]})", {}), expected);
 }
 
+TEST(PointFileReader, ReadsTheVerticesOfAPly) {
+    const std::vector<Point3> expected{{1, 2, 3}, {4, 5, 6}};
+    const std::string text =
+        "ply\r\nformat ascii 1.0\ncomment x\nelement vertex 2\nproperty uchar red\nproperty float z\n"
+        "property float x\nproperty double y\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n"
+        "7 3 1 2\n8 6 4 5\n";
+    EXPECT_EQ(read_space_point_file(text, {}), expected);
+    EXPECT_EQ(read_point_file(text, {}), (Points{{1, 2}, {4, 5}}));
+    std::string binary =
+        "ply\nformat binary_little_endian 1.0\nelement vertex 2\nproperty float x\nproperty uchar red\n"
+        "property double y\nproperty double z\nend_header\n";
+    const auto append = [&](auto value) { binary.append(reinterpret_cast<const char*>(&value), sizeof(value)); };
+    for (const Point3 p : expected) {
+        append(static_cast<float>(p.x));
+        append('r');
+        append(p.y);
+        append(p.z);
+    }
+    EXPECT_EQ(read_space_point_file(binary, {}), expected);
+    const auto message_of = [](const std::string& file) { return read_space_point_file(file, {}).error().message; };
+    EXPECT_NE(message_of(binary.substr(0, binary.size() - 1)).find("ends within its vertices"), std::string::npos);
+    EXPECT_NE(message_of("ply\nformat ascii 1.0\nelement vertex 1\n").find("no end"), std::string::npos);
+    EXPECT_NE(message_of(text.substr(0, text.size() - 2)).find("vertex 1 of the PLY has no finite y"),
+              std::string::npos);
+    EXPECT_EQ(read_space_point_file(binary, {.max_sites = 1}).error().code, ErrorCode::LimitExceeded);
+}
+
 TEST(PointFileReader, RefusesPointsInSpaceWithoutAThirdCoordinate) {
     const auto message_of = [](const std::string& file) { return read_space_point_file(file, {}).error().message; };
     EXPECT_NE(message_of("x,y\n1,2\n").find("x, y and z"), std::string::npos);

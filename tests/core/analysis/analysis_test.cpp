@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <fstream>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -305,6 +306,97 @@ TEST(Analysis, IsDeterministic) {
     EXPECT_EQ(first.power, second.power);
     EXPECT_EQ(first.spectrum.values, second.spectrum.values);
     EXPECT_EQ(first.mean_distance, second.mean_distance);
+}
+
+using SpaceSets = std::vector<std::vector<Point3>>;
+
+SpaceSets white_noise(std::size_t sets, std::size_t points, Point3 sides) {
+    SpaceSets result(sets, std::vector<Point3>(points));
+    for (std::size_t s = 0; s < sets; ++s) {
+        Random random(42, s);
+        for (Point3& p : result[s])
+            p = {sides.x * random.uniform(), sides.y * random.uniform(), sides.z * random.uniform()};
+    }
+    return result;
+}
+
+TEST(AnalysisInSpace, MeasuresWhiteNoiseAsOneAndIsotropic) {
+    // The mean over about 17,000 or, in the window, 8,000 independent frequencies and 10 sets.
+    for (const bool periodic : {true, false}) {
+        for (const Point3 sides : {Point3{1, 1, 1}, Point3{300, 100, 200}}) {
+            const auto analysis = analyse(white_noise(10, 1000, sides), sides, periodic, {.max_frequency = 2}).value();
+            double power = 0, anisotropy = 0;
+            for (std::size_t r = 5; r < 20; ++r) {
+                power += analysis.power[r] / 15;
+                anisotropy += analysis.anisotropy_db[r] / 15;
+            }
+            EXPECT_EQ(analysis.frequency.size(), periodic ? 20U : 19U);
+            EXPECT_NEAR(power, 1, 0.03);
+            EXPECT_NEAR(*analysis.low_frequency_power, 1, 0.1);
+            // The mean nearest distance of n random points is Gamma(4/3) (4 pi n / 3)^(-1/3) at unit volume.
+            if (!periodic) continue;
+            EXPECT_NEAR(analysis.unit, 10 / std::cbrt(sides.x * sides.y * sides.z), 1e-12);
+            EXPECT_NEAR(anisotropy, -10, 0.3);
+            EXPECT_NEAR(analysis.mean_distance, std::tgamma(4.0 / 3) / std::cbrt(4 * std::numbers::pi / 3) / 1.122462,
+                        0.01);
+        }
+    }
+}
+
+TEST(AnalysisInSpace, FindsTheReciprocalPointsOfTheDensestPacking) {
+    constexpr int kCells = 4;
+    const Point3 sides{0.5, 0.5, 0.5};
+    std::vector<Point3> points;
+    for (int k = 0; k < 2 * kCells; ++k) {
+        for (int j = 0; j < 2 * kCells; ++j) {
+            for (int i = 0; i < 2 * kCells; ++i) {
+                if ((i + j + k) % 2 == 0) points.push_back({i / 16.0, j / 16.0, k / 16.0});
+            }
+        }
+    }
+    const SpaceSets sets{points};
+    const auto analysis = analyse(sets, sides, true, {.max_frequency = 2}).value();
+    EXPECT_NEAR(analysis.min_distance, 1, 1e-12);
+    EXPECT_NEAR(analysis.mean_distance, 1, 1e-12);
+    EXPECT_NEAR(*analysis.low_frequency_power, 0, 1e-15);
+    // The shortest reciprocal vectors, (1, 1, 1) / cell, have the principal frequency, twice the end of low
+    // frequencies.
+    const auto peak = std::ranges::max_element(analysis.power) - analysis.power.begin();
+    EXPECT_NEAR(analysis.frequency[static_cast<std::size_t>(peak)], 1.0911, 0.5 / std::cbrt(points.size()));
+    for (int j = -8; j <= 8; ++j) {
+        for (int i = -8; i <= 8; ++i) {
+            const bool is_peak = i % 8 == 0 && j % 8 == 0 && (i != 0 || j != 0);
+            EXPECT_NEAR(analysis.spectrum.at(i, j), is_peak ? static_cast<double>(points.size()) : 0, 1e-7) << i << j;
+        }
+    }
+}
+
+TEST(AnalysisInSpace, ComputesLargeSpectraInParts) {
+    const Point3 sides{4, 2, 1};
+    const SpaceSets sets = white_noise(1, 1'000, sides);
+    const auto whole = analyse(sets, sides, true, {.max_frequency = 7}).value(),
+               parts = analyse(sets, sides, true, {.max_frequency = 8.3}).value();
+    ASSERT_GT(parts.spectrum.width, whole.spectrum.width);
+    for (std::size_t r = 0; r < whole.power.size(); ++r) EXPECT_NEAR(parts.power[r], whole.power[r], 1e-8) << r;
+    EXPECT_EQ(std::ranges::count(parts.spectrum.values, 0.0), 1) << "only (0, 0, 0) is left out";
+}
+
+TEST(AnalysisInSpace, RefusesInvalidInput) {
+    const auto expect = [](const SpaceSets& sets, Point3 sides, bool periodic, ErrorCode code,
+                           const std::string& field) {
+        const auto analysis = analyse(sets, sides, periodic, {.max_frequency = 2});
+        ASSERT_FALSE(analysis);
+        EXPECT_EQ(analysis.error().code, code) << analysis.error().message;
+        EXPECT_EQ(analysis.error().field, field) << analysis.error().message;
+    };
+    SpaceSets sets = white_noise(2, 10, {1, 1, 1});
+    for (const double side : {0.0, -1.0, std::nan(""), HUGE_VAL})
+        expect(sets, {1, 1, side}, true, ErrorCode::Unusable, "domain");
+    expect(sets, {1e-308, 1e-308, 1e308}, true, ErrorCode::Unusable, "/0/0");
+    expect({{{0, 0, 0}, {0, 0, 1}}}, {1e-308, 1e-308, 1e308}, true, ErrorCode::LimitExceeded, "max_frequency");
+    expect({{{0, 0, 0}, {0, 0, 1}}}, {1, 1, 1}, false, ErrorCode::Unusable, "/0");
+    sets[1][7].z = 1.5;
+    expect(sets, {1, 1, 1}, false, ErrorCode::Unusable, "/1/7");
 }
 
 }  // namespace

@@ -111,12 +111,38 @@ TEST(NonuniformTransform, IsIndependentOfThePreviousRun) {
 TEST(ShiftedTransform, EqualsTheSumAroundAnyFrequency) {
     auto points = noise(300);
     const double sum = weigh(points, 9);
-    ShiftedTransform transform(20, 11);
+    ShiftedTransform transform(20, 11, 0);
     for (const auto& [x, y] : {std::pair(0, 0), std::pair(7, -30), std::pair(5'000, 4'000)}) {
-        transform.run(points, x, y, {});
+        transform.run(points, {x, y, 0}, {});
         for (int i = -20; i <= 20; ++i) {
             for (int j = -11; j <= 11; ++j)
-                ASSERT_LT(std::abs(transform.value(i, j) - direct_sum(points, x + i, y + j)), kError * sum);
+                ASSERT_LT(std::abs(transform.value(i, j, 0) - direct_sum(points, x + i, y + j)), kError * sum);
+        }
+    }
+}
+
+TEST(NonuniformTransform, EqualsTheSumInSpace) {
+    Random random(7, 1);
+    std::vector<BasicWeightedPoint<Point3>> points(100);
+    for (auto& point : points) point = {{random.uniform(), random.uniform(), random.uniform()}, random.uniform()};
+    const auto sum = [&](int i, int j, int k) {
+        Complex total;
+        for (const auto& [p, weight] : points)
+            total += weight * std::polar(1.0, -2 * std::numbers::pi * (i * p.x + j * p.y + k * p.z));
+        return total;
+    };
+    for (const int highest_z : {0, 1, 7}) {
+        NonuniformTransform whole(5, 8, highest_z);
+        ShiftedTransform part(5, 8, highest_z);
+        whole.run(points, {});
+        part.run(points, {3, -20, 11}, {});
+        for (int k = -highest_z; k <= highest_z; ++k) {
+            for (int j = -8; j <= 8; ++j) {
+                for (int i = -5; i <= 5; ++i) {
+                    ASSERT_LT(std::abs(whole.value(std::abs(i), j, k) - sum(std::abs(i), j, k)), kError * 100);
+                    ASSERT_LT(std::abs(part.value(i, j, k) - sum(3 + i, j - 20, 11 + k)), kError * 100);
+                }
+            }
         }
     }
 }

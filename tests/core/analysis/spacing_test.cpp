@@ -96,5 +96,34 @@ TEST(Spacing, AcceptsManyCoincidentOrCollinearPoints) {
     EXPECT_EQ(spacing.mean, 0x1p-30);
 }
 
+TEST(Spacing, EqualsTheMinimumOverAllPairsInSpace) {
+    constexpr double kFar = std::numeric_limits<double>::infinity();
+    for (const Point3 sides : {Point3{1, 1, 1}, Point3{3, 0.1, 0.5}}) {
+        Random random(3, 0);
+        std::vector<Point3> points(200);
+        for (Point3& p : points)
+            p = {sides.x * random.uniform(), sides.y * random.uniform(), sides.z * random.uniform()};
+        for (const bool periodic : {false, true}) {
+            double least = kFar, sum = 0;
+            for (std::size_t i = 0; i < points.size(); ++i) {
+                double nearest = kFar;
+                for (std::size_t j = 0; j < points.size(); ++j) {
+                    Point3 apart = points[i] - points[j];
+                    const auto around = [&](double v, double side) {
+                        return periodic ? v - side * std::round(v / side) : v;
+                    };
+                    apart = {around(apart.x, sides.x), around(apart.y, sides.y), around(apart.z, sides.z)};
+                    if (i != j) nearest = std::min(nearest, length(apart));
+                }
+                least = std::min(least, nearest);
+                sum += nearest;
+            }
+            const Spacing found = measure_spacing(points, sides, periodic, {});
+            EXPECT_NEAR(found.min, least, 1e-12);
+            EXPECT_NEAR(found.mean, sum / 200, 1e-12);
+        }
+    }
+}
+
 }  // namespace
 }  // namespace ccdt
