@@ -21,6 +21,8 @@
 #include "api/sample/sample_parser.h"
 #include "api/sample/surface_formats.h"
 #include "api/sample/surface_parser.h"
+#include "api/sample/volume_formats.h"
+#include "api/sample/volume_parser.h"
 
 namespace ccdt::api {
 namespace {
@@ -54,7 +56,8 @@ Json describe(const PixelFormat& format) {
     return describe(format.file);
 }
 
-Json describe(const SurfacePointFormat& format) {
+template <class Placed>
+Json describe(const SpaceFormat<Placed>& format) {
     Json json = describe(format.file);
     json["needs"] = Json::array();
     if (format.writer(false) == nullptr) json["needs"].push_back("mesh");
@@ -106,6 +109,9 @@ constexpr std::array<FileFormat, 6> kMeshes = {{
     {"gltf", "glTF with embedded buffers", "gltf", "model/gltf+json", ""},
     {"glb", "glTF, binary", "glb", "model/gltf-binary", ""},
 }};
+
+/// Formats of voxels that `/sample` reads.
+constexpr std::array<FileFormat, 2> kVoxels = {{kNpy, {"tiff", "TIFF with several pages", "tif", "image/tiff", ""}}};
 
 Json describe_all(std::span<const FileFormat> files) {
     Json list = Json::array();
@@ -174,6 +180,10 @@ std::string capabilities_json(const Limits& limits, OfferedPictures pictures, bo
            {{"inputs", describe_all(kMeshes)},
             {"formats", describe_all(surface_formats())},
             {"options", surface_options()}}},
+          {"volumes",
+           {{"inputs", describe_all(kVoxels)},
+            {"formats", describe_all(volume_formats())},
+            {"options", volume_options()}}},
           {"options", sample_options()},
           {"methods", describe_methods(limits)}}},
         {"analyze", {{"formats", describe_all(analyze_formats())}, {"options", analyze_options()}}},

@@ -7,14 +7,13 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
-#include <optional>
 #include <string>
 #include <utility>
 
+#include "api/input/npy_reader.h"
 #include "api/input/option_reader.h"
 #include "api/input/point_reader.h"
 #include "api/json/json_document.h"
-#include "api/output/npy_header.h"
 #include "api/text/byte_order_mark.h"
 #include "api/text/text.h"
 
@@ -150,48 +149,20 @@ Result<std::vector<P>> read_csv(std::string_view text, const Limits& limits) {
     }
 }
 
-/// Number of rows and columns of an array.
-struct Shape {
-    std::size_t rows = 0;
-    std::size_t columns = 0;
-};
-
-/// Reads the shape from the header of an NPY file: a literal of a Python tuple such as `(12, 2)`.
-std::optional<Shape> read_shape(std::string_view header) {
-    constexpr std::string_view kKey = "'shape': (";
-    const auto at = header.find(kKey);
-    if (at == std::string_view::npos) return std::nullopt;
-    header.remove_prefix(at + kKey.size());
-    const auto rows = parse_number<std::size_t>(trim(take_until(header, ",")));
-    const auto columns = parse_number<std::size_t>(trim(take_until(header, ")")));
-    if (!rows || !columns) return std::nullopt;
-    return Shape{*rows, *columns};
-}
-
 template <class P>
-Result<std::vector<P>> read_npy(std::string_view file, const Limits& limits) {
+Result<std::vector<P>> read_array(std::string_view file, const Limits& limits) {
     static_assert(std::endian::native == std::endian::little);
-    constexpr std::size_t kSizeBytes = 2;
-    file.remove_prefix(kNpyMagic.size());
-    if (file.size() < kSizeBytes) return wrong("the NPY file ends within its header");
-    const std::size_t size = static_cast<unsigned char>(file[0]) + 256U * static_cast<unsigned char>(file[1]);
-    if (file.size() < kSizeBytes + size) return wrong("the NPY file ends within its header");
-    const std::string_view header = file.substr(kSizeBytes, size);
-    file.remove_prefix(kSizeBytes + size);
-    const auto shape = read_shape(header);
-    const auto has = [header](std::string_view text) { return header.find(text) != std::string_view::npos; };
-    if (!has("'descr': '<f8'") || !has("'fortran_order': False") || !shape || shape->columns < kAxes<P>)
-        return wrong("the NPY file must be an array of float64 in C order, with a row for each point and at least " +
+    const auto array = read_npy(file);
+    if (!array) return tl::unexpected(array.error());
+    const auto& [type, shape, data] = *array;
+    if (type != "<f8" || shape.size() != 2 || shape[1] < kAxes<P>)
+        return wrong("the NPY file must be an array of float64, with a row for each point and at least " +
                      std::string(kAxes<P> == 2 ? "two" : "three") + " columns");
-    if (shape->rows > limits.max_sites) return too_many(limits);
-    const std::size_t values = file.size() / sizeof(double);
-    if (file.size() % sizeof(double) != 0 || values % shape->columns != 0 || values / shape->columns != shape->rows)
-        return wrong("the NPY file has " + std::to_string(file.size()) +
-                     " bytes of data, which do not match its shape");
-    std::vector<P> points(shape->rows);
+    if (shape[0] > limits.max_sites) return too_many(limits);
+    std::vector<P> points(shape[0]);
     for (std::size_t i = 0; i < points.size(); ++i) {
         std::array<double, kAxes<P>> ordinates;
-        std::memcpy(&ordinates, file.data() + i * shape->columns * sizeof(double), sizeof(ordinates));
+        std::memcpy(&ordinates, data.data() + i * shape[1] * sizeof(double), sizeof(ordinates));
         if (!std::ranges::all_of(ordinates, [](double value) { return std::isfinite(value); }))
             return wrong("row " + std::to_string(i) + " of the NPY file is not finite");
         points[i] = std::bit_cast<P>(ordinates);
@@ -221,10 +192,7 @@ Result<std::vector<P>> read_json(std::string_view text, const Limits& limits) {
 template <class P>
 Result<std::vector<P>> read_file(std::string_view file, const Limits& limits) {
     file = without_byte_order_mark(file);
-    if (file.starts_with(kNpyMagic.substr(0, kNpyMagic.size() - 2))) {
-        if (!file.starts_with(kNpyMagic)) return wrong("the NPY file must have the version 1.0");
-        return read_npy<P>(file, limits);
-    }
+    if (is_npy(file)) return read_array<P>(file, limits);
     const auto start = trim(file, " \t\r\n");
     return start.starts_with('{') || start.starts_with('[') ? read_json<P>(file, limits) : read_csv<P>(file, limits);
 }

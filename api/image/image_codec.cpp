@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "api/image/image_codec.h"
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "api/image/avif_reader.h"
 #include "api/image/bmp_reader.h"
@@ -57,6 +62,48 @@ Result<AnyPicture> read_file(std::string_view bytes, const ImageHeader& header, 
     return read_picture<AnyPicture>(*source, conversion ? &*conversion : nullptr, reduce, make_plane);
 }
 
+/// Reads the rows of a page without conversion of the samples.
+/// @param values  [pixels] receives the samples
+template <class Sample>
+bool copy_rows(const RowSource& source, float* values) {
+    std::vector<Sample> rows(static_cast<std::size_t>(source.width) * static_cast<std::size_t>(source.step));
+    for (int begin = 0; begin < source.height; begin += source.step) {
+        const int end = std::min(source.height, begin + source.step);
+        if (!source.read(begin, end, rows.data())) return false;
+        const auto count = static_cast<std::size_t>(end - begin) * static_cast<std::size_t>(source.width);
+        values = std::transform(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(count), values,
+                                [](Sample sample) { return static_cast<float>(sample); });
+    }
+    return true;
+}
+
+bool copy_page(const RowSource& source, float* values) {
+    if (source.sample == RowSource::Sample::Byte) return copy_rows<std::uint8_t>(source, values);
+    if (source.sample == RowSource::Sample::Word) return copy_rows<std::uint16_t>(source, values);
+    return copy_rows<float>(source, values);
+}
+
+/// Reads the pages of a TIFF as the layers of a stack, one below the other.
+Result<Picture> read_stack(std::string_view bytes, const ImageHeader& header, std::size_t max_pixels,
+                           const NewPlane& make_plane) {
+    if (header.format != ImageFormat::Tiff || header.pixels() * header.frames > max_pixels) return broken_image();
+    const auto layer = static_cast<std::size_t>(header.pixels()), size = layer * header.frames;
+    const std::shared_ptr<float[]> values = make_plane(size);
+    std::optional<RowSource::Sample> sample;
+    for (std::size_t page = 0; page < header.frames; ++page) {
+        const auto source = open_by_library(bytes, header, false, static_cast<int>(page));
+        if (!source) return tl::unexpected(source.error());
+        const bool is_alike = static_cast<std::uint64_t>(source->width) == header.width && source->channels == 1 &&
+                              source->sample == sample.value_or(source->sample);
+        if (!is_alike)
+            return failure(ErrorCode::Unusable,
+                           "the pages of a stack must be grey, and have the same size and the same type of samples");
+        sample = source->sample;
+        if (!copy_page(*source, values.get() + page * layer)) return broken_image();
+    }
+    return Picture{static_cast<int>(header.width), static_cast<int>(size / header.width), Plane(values, size), {}};
+}
+
 /// Returns the mutex of OpenImageIO's TIFF reader, which has known bugs with several threads.
 std::mutex& tiff_mutex() {
     static std::mutex mutex;
@@ -70,6 +117,9 @@ Result<AnyPicture> decode(std::string_view bytes, const Reading& reading, const 
     std::unique_lock<std::mutex> lock;
     if (header->format == ImageFormat::Tiff) lock = std::unique_lock(tiff_mutex());
     try {
+        if constexpr (std::is_same_v<AnyPicture, Picture>) {
+            if (reading.is_stack) return read_stack(bytes, *header, reading.max_pixels, make_plane);
+        }
         return read_file<AnyPicture>(bytes, *header, reading.reduce, make_plane);
     } catch (...) {
         return broken_image();

@@ -116,6 +116,7 @@ struct OpenFile {
     OIIO::Filesystem::IOMemReader bytes;
     std::unique_ptr<OIIO::ImageInput> input;
     OIIO::ImageSpec spec = {};
+    int page = 0;
 
     ~OpenFile() {
         if (input) static_cast<void>(input->geterror());
@@ -125,8 +126,8 @@ struct OpenFile {
         // The library reads rows that need no conversion directly into the buffer. For other rows, it allocates 64 MiB.
         const bool as_stored = spec.format == type && spec.channelformats.empty();
         const OIIO::TypeDesc to = as_stored ? OIIO::TypeDesc::UNKNOWN : type;
-        if (spec.tile_width == 0) return input->read_scanlines(0, 0, begin, end, 0, 0, spec.nchannels, to, rows);
-        return input->read_tiles(0, 0, 0, spec.width, begin, end, 0, 1, 0, spec.nchannels, type, rows);
+        if (spec.tile_width == 0) return input->read_scanlines(page, 0, begin, end, 0, 0, spec.nchannels, to, rows);
+        return input->read_tiles(page, 0, 0, spec.width, begin, end, 0, 1, 0, spec.nchannels, type, rows);
     }
 };
 
@@ -140,7 +141,7 @@ void configure_library() {
 
 }  // namespace
 
-Result<RowSource> open_by_library(std::string_view bytes, const ImageHeader& header, bool keep_inks) {
+Result<RowSource> open_by_library(std::string_view bytes, const ImageHeader& header, bool keep_inks, int page) {
     configure_library();
     const auto file = std::shared_ptr<OpenFile>(
         new OpenFile{{bytes.data(), bytes.size()}, OIIO::ImageInput::create(plugin_name(header.format))});
@@ -151,6 +152,11 @@ Result<RowSource> open_by_library(std::string_view bytes, const ImageHeader& hea
     wishes.attribute("oiio:UnassociatedAlpha", 1);
     if (keep_inks) wishes.attribute("oiio:RawColor", 1);
     if (!file->input->open("image", file->spec, wishes)) return broken_image();
+    if (page > 0) {
+        if (!file->input->seek_subimage(page, 0)) return broken_image();
+        file->spec = file->input->spec();
+        file->page = page;
+    }
     if (auto checked = check_spec(file->spec, header); !checked) return tl::unexpected(checked.error());
 
     RowSource source = describe(file->spec);

@@ -27,6 +27,9 @@ struct Reading {
     /// pixels becomes one pixel with the mean light of the square. A picture that is not opaque or not divisible into
     /// whole squares is not reduced.
     int reduce;
+    /// Whether the file is a TIFF whose pages are the layers of a stack, which are then read one below the other.
+    /// Samples are not converted to light: integers of 8 and 16 bits and floats keep their values.
+    bool is_stack = false;
 };
 
 /// Allocates a plane in the memory of this process.

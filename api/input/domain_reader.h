@@ -4,6 +4,7 @@
 #include "api/input/option_reader.h"
 #include "core/geometry/domain.h"
 #include "core/result.h"
+#include "core/volume/box_domain3.h"
 
 namespace ccdt::api {
 
@@ -17,6 +18,9 @@ struct Rectangle {
 /// Reads the member `domain`: `{"type":"rectangle"|"torus","width":w,"height":h}`.
 /// Errors: Malformed, with a JSON Pointer to the faulty value.
 Result<Rectangle> read_rectangle(const Input& input);
+
+/// Reads a domain in space: `{"type":"box"|"torus","width":w,"height":h,"depth":d}`. Errors: as read_rectangle().
+Result<BoxDomain3> read_box(const Input& input);
 
 /// Creates the domain. Errors: those of Domain::rectangle and Domain::torus, with the field /domain.
 Result<Domain> make_domain(const Rectangle& rectangle);

@@ -23,5 +23,6 @@ inline constexpr FileFormat kSvg{"svg", "SVG", "svg", "image/svg+xml", ""};
 inline constexpr FileFormat kPng{"png", "PNG", "png", "image/png", ""};
 inline constexpr FileFormat kCsv{"csv", "CSV", "csv", "text/csv", "; header=present"};
 inline constexpr FileFormat kNpy{"npy", "NPY", "npy", "application/x-npy", ""};  ///< no registered media type
+inline constexpr FileFormat kPly{"ply", "PLY", "ply", "model/ply", ""};          ///< common, but not registered
 
 }  // namespace ccdt::api

@@ -88,6 +88,14 @@ Result<std::string_view> read_text(const Input& input) {
     return malformed(input, "must be a string");
 }
 
+Result<JsonDocument> parse_list(const Input& input) {
+    const auto text = read_text(input);
+    if (!text) return tl::unexpected(text.error());
+    auto document = JsonDocument::parse(*text);
+    if (!document || !document->root().is_array()) return malformed(input, "must be a list in JSON");
+    return document;
+}
+
 Result<std::vector<Input>> read_list(const Input& input, std::size_t most, std::string_view one) {
     std::vector<Input> members;
     const auto* json = std::get_if<JsonValue>(&input.value);

@@ -49,6 +49,9 @@ Result<bool> read_boolean(const Input& input);
 /// Reads text, such as a word, a colour or base64. The result refers to memory of the input.
 Result<std::string_view> read_text(const Input& input);
 
+/// Parses text that is a list in JSON. Errors: Malformed.
+Result<JsonDocument> parse_list(const Input& input);
+
 /// Reads a list: text with commas between its members, or a JSON array. Errors: Malformed for any other type of value.
 /// @param most  maximum number of members
 /// @param one   noun for a member in messages, such as "colour"; used for members that are given as text

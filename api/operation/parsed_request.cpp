@@ -16,6 +16,8 @@
 #include "api/sample/surface_parser.h"
 #include "api/sample/surface_sample.h"
 #include "api/sample/threshold_mask.h"
+#include "api/sample/volume_parser.h"
+#include "api/sample/volume_sample.h"
 #include "api/surface/surface_header.h"
 #include "api/text/byte_order_mark.h"
 
@@ -29,6 +31,9 @@ Cost cost_within(const SurfaceAnalyzeRequest& request, const Limits& /*limits*/)
     return cost_of(request);
 }
 Cost cost_within(const SurfaceRequest& request, const Limits& /*limits*/) {
+    return cost_of(request);
+}
+Cost cost_within(const VolumeRequest& request, const Limits& /*limits*/) {
     return cost_of(request);
 }
 Cost cost_within(const auto& request, const Limits& limits) {
@@ -65,6 +70,10 @@ Result<Answer> compute(const PixelRequest& request, const Limits& limits, const 
 Result<Answer> compute(const SurfaceRequest& request, const Limits& /*limits*/, const Decode& decode,
                        const Control& control, Timings& timings, BodySink* sink) {
     return run_surface(request, decode, control, timings, sink);
+}
+Result<Answer> compute(const VolumeRequest& request, const Limits& /*limits*/, const Decode& decode,
+                       const Control& control, Timings& timings, BodySink* sink) {
+    return run_volume(request, decode, control, timings, sink);
 }
 Result<Answer> compute(const SurfaceAnalyzeRequest& request, const Limits& /*limits*/, const Decode& decode,
                        const Control& control, Timings& timings, BodySink* /*sink*/) {
@@ -128,12 +137,16 @@ Result<ParsedPointer> parse_halftone_request(std::string_view body, HalftoneBody
 
 Result<ParsedPointer> parse_sample_request(std::string_view body, const std::vector<TextOption>& options,
                                            std::string_view accept, const Limits& limits, std::string_view media_type) {
-    if (auto file = find_surface(body, media_type, limits))
+    if (is_voxel_file(body)) return pack(parse_volume(open_voxels(body, limits), options, accept, limits), limits);
+    if (auto file = find_surface(body, media_type, limits)) {
+        if (asks_for_solid(options)) return pack(parse_solid(*std::move(file), options, accept, limits), limits);
         return pack(parse_surface(*std::move(file), options, accept, limits), limits);
+    }
     const auto document = JsonDocument::parse(body);
     if (!document) return tl::unexpected(document.error());
     const JsonValue root = document->root();
     if (asks_for_pixels(root)) return pack(parse_pixels(root, options, accept, limits), limits);
+    if (asks_for_volume(root)) return pack(parse_volume(root, options, accept, limits), limits);
     return pack(parse_sample(root, options, accept, limits), limits);
 }
 

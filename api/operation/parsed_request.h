@@ -50,10 +50,10 @@ Result<ParsedPointer> parse_halftone_request(std::string_view body, HalftoneBody
                                              const std::vector<TextOption>& options, std::string_view accept,
                                              const Limits& limits);
 
-/// Parses a request for points, for a threshold mask, or for pixels of a raster. The body is JSON, or a mesh, which
-/// recognise_surface() recognises. The other parameters are those of parse_halftone_request().
+/// Parses a request for points, for a threshold mask, or for pixels of a raster. The body is JSON, a mesh, which
+/// recognise_surface() recognises, or a file of voxels, which is_voxel_file() recognises. The other parameters are those of parse_halftone_request().
 /// @param media_type  media type of the body, in lower case and without parameters; empty: unknown
-/// Errors: those of parse_sample(), parse_pixels() and parse_surface().
+/// Errors: those of parse_sample(), parse_pixels(), parse_surface(), parse_volume() and parse_solid().
 Result<ParsedPointer> parse_sample_request(std::string_view body, const std::vector<TextOption>& options,
                                            std::string_view accept, const Limits& limits,
                                            std::string_view media_type = {});

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "api/output/npy_header.h"
 
+#include "api/input/npy_reader.h"
+
 namespace ccdt::api {
 
 std::string npy_header(std::string_view type, std::size_t rows, std::size_t columns) {

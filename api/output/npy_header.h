@@ -7,9 +7,6 @@
 
 namespace ccdt::api {
 
-/// First bytes of a NumPy file of format version 1.0.
-inline constexpr std::string_view kNpyMagic("\x93NUMPY\x01\x00", 8);
-
 /// Returns the header of a NumPy file with an array of rows. Source: NEP 1, format version 1.0.
 /// @param type  type of the elements in NumPy's notation, such as `<f8`
 std::string npy_header(std::string_view type, std::size_t rows, std::size_t columns);

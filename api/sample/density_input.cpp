@@ -22,6 +22,7 @@ constexpr std::uint64_t kMaxSide = std::numeric_limits<int>::max();
 struct DensityDraft {
     std::optional<int> width;
     std::optional<int> height;
+    std::optional<int> depth;
     std::optional<std::vector<double>> values;
     std::optional<ImageFile> image;
 };
@@ -41,20 +42,29 @@ Result<std::vector<double>> read_values(const Input& input) {
     return values;
 }
 
+/// Checks the number of values.
+/// @param wanted  the number of values that is wanted, in words
+Result<void> check_values(const Input& input, const DensityDraft& draft, std::string_view wanted) {
+    // Sides are below 2^31, so the product of two is exact, and that of three is limited.
+    const std::uint64_t layer = static_cast<std::uint64_t>(*draft.width) * static_cast<std::uint64_t>(*draft.height);
+    const auto layers = static_cast<std::uint64_t>(draft.depth.value_or(1));
+    const std::uint64_t cells = layer > kMaxInteger / layers ? kMaxInteger : layer * layers;
+    if (draft.values->size() == cells) return {};
+    const std::string pointer = pointer_below(input.field, "values");
+    return failure(ErrorCode::Malformed,
+                   pointer + " must have " + std::string(wanted) + " numbers, " + std::to_string(cells) + ", not " +
+                       std::to_string(draft.values->size()),
+                   pointer);
+}
+
 Result<DensityInput> settle_density(const Input& input, DensityDraft draft) {
     const bool any_of_grid = draft.width || draft.height || draft.values;
     if (draft.image && !any_of_grid) return DensityImage{*std::move(draft.image)};
     if (draft.image || !draft.width || !draft.height || !draft.values) {
         return malformed(input, "must have either the members width, height and values, or the member image");
     }
-    const std::uint64_t cells = static_cast<std::uint64_t>(*draft.width) * static_cast<std::uint64_t>(*draft.height);
-    if (draft.values->size() != cells) {
-        const std::string pointer = pointer_below(input.field, "values");
-        return failure(ErrorCode::Malformed,
-                       pointer + " must have width times height numbers, " + std::to_string(cells) + ", not " +
-                           std::to_string(draft.values->size()),
-                       pointer);
-    }
+    if (auto checked = check_values(input, draft, "width times height"); !checked)
+        return tl::unexpected(checked.error());
     return DensityGrid{*draft.width, *draft.height, *std::move(draft.values)};
 }
 
@@ -80,24 +90,43 @@ Result<Density> make_density(const DensityImage& image, YAxis y, const Limits& l
     return density;
 }
 
+constexpr std::array<OptionRule<DensityDraft>, 5> kRules = {{
+    {"/density/depth",
+     [](const Input& i, const Limits&, DensityDraft& d) { return assign(d.depth, read_integer(i, 1, kMaxSide)); }},
+    {"/density/width",
+     [](const Input& i, const Limits&, DensityDraft& d) { return assign(d.width, read_integer(i, 1, kMaxSide)); }},
+    {"/density/height",
+     [](const Input& i, const Limits&, DensityDraft& d) { return assign(d.height, read_integer(i, 1, kMaxSide)); }},
+    {"/density/values",
+     [](const Input& i, const Limits&, DensityDraft& d) { return assign(d.values, read_values(i)); }},
+    {"/density/image",
+     [](const Input& i, const Limits& l, DensityDraft& d) { return assign(d.image, read_embedded_image(i, l)); }},
+}};
+
+Result<DensityDraft> read_draft(std::span<const OptionRule<DensityDraft>> rules, const Input& input,
+                                const Limits& limits) {
+    DensityDraft draft;
+    const auto object = std::get<JsonValue>(input.value);
+    return read_members<DensityDraft>(rules, object, input.field, limits, draft).map([&] { return std::move(draft); });
+}
+
 }  // namespace
 
 Result<DensityInput> read_density(const Input& input, const Limits& limits) {
-    static constexpr std::array<OptionRule<DensityDraft>, 4> kRules = {{
-        {"/density/width",
-         [](const Input& i, const Limits&, DensityDraft& d) { return assign(d.width, read_integer(i, 1, kMaxSide)); }},
-        {"/density/height",
-         [](const Input& i, const Limits&, DensityDraft& d) { return assign(d.height, read_integer(i, 1, kMaxSide)); }},
-        {"/density/values",
-         [](const Input& i, const Limits&, DensityDraft& d) { return assign(d.values, read_values(i)); }},
-        {"/density/image",
-         [](const Input& i, const Limits& l, DensityDraft& d) { return assign(d.image, read_embedded_image(i, l)); }},
-    }};
-    DensityDraft draft;
-    const auto object = std::get<JsonValue>(input.value);
-    if (auto read = read_members<DensityDraft>(kRules, object, input.field, limits, draft); !read)
-        return tl::unexpected(read.error());
-    return settle_density(input, std::move(draft));
+    return read_draft(std::span(kRules).subspan(1), input, limits).and_then([&](DensityDraft draft) {
+        return settle_density(input, std::move(draft));
+    });
+}
+
+Result<VoxelGrid> read_grid(const Input& input, const Limits& limits) {
+    auto draft = read_draft(std::span(kRules).first(4), input, limits);
+    if (!draft) return tl::unexpected(draft.error());
+    if (!draft->width || !draft->height || !draft->depth || !draft->values)
+        return malformed(input, "must have the members width, height, depth and values");
+    if (auto checked = check_values(input, *draft, "width times height times depth"); !checked)
+        return tl::unexpected(checked.error());
+    const auto side = [](int count) { return static_cast<std::size_t>(count); };
+    return VoxelGrid{{side(*draft->width), side(*draft->height), side(*draft->depth)}, *std::move(draft->values)};
 }
 
 Result<Density> make_density(const DensityInput& input, YAxis y, const Limits& limits, const Decode& decode,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <variant>
 #include <vector>
@@ -23,6 +24,12 @@ struct DensityGrid {
     std::vector<double> values;  ///< [width * height], finite, >= 0
 };
 
+/// Densities of voxels, stretched over the bounding box of a domain in space.
+struct VoxelGrid {
+    std::array<std::size_t, 3> voxels{};  ///< number along x, y and z
+    std::vector<double> values;           ///< [z][y][x] finite, >= 0
+};
+
 /// Picture of densities, stretched over the bounding box of the domain. The first row is at the top. Dark pixels are
 /// dense.
 struct DensityImage {
@@ -38,6 +45,9 @@ enum class YAxis { Up, Down };
 /// Reads the member `density`: `{"width":w,"height":h,"values":[...]}` or `{"image":"<base64>"}`.
 /// Errors: Malformed, with a JSON Pointer to the faulty value; those of read_embedded_image().
 Result<DensityInput> read_density(const Input& input, const Limits& limits);
+
+/// Reads the densities of voxels: `{"width":w,"height":h,"depth":d,"values":[...]}`. Errors: as read_density().
+Result<VoxelGrid> read_grid(const Input& input, const Limits& limits);
 
 /// Creates the density of a request.
 /// @param y  determines which row of a picture is the first row of the density, which is at the smallest y

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -16,36 +15,11 @@
 
 #include "api/image/srgb.h"
 #include "api/output/json_pieces.h"
+#include "api/output/records.h"
 #include "api/text/numbers.h"
 
 namespace ccdt::api {
 namespace {
-
-static_assert(std::endian::native == std::endian::little);
-
-constexpr std::size_t kStopStride = 4'096;  ///< records between two checks of the stop token
-
-/// Calls write(i) for each record, until a stop or until the sink of the body fails.
-template <class Write>
-void write_records(std::size_t count, Body& body, const std::stop_token& stop, Write write) {
-    for (std::size_t i = 0; i < count; ++i) {
-        if (i % kStopStride == 0 && (!body.flush() || stop.stop_requested())) break;
-        write(i);
-    }
-}
-
-template <class Value>
-void append_binary(std::string& out, Value value) {
-    out.append(reinterpret_cast<const char*>(&value), sizeof value);
-}
-
-void append_floats(std::string& out, const Point3& p) {
-    for (const double ordinate : {p.x, p.y, p.z}) append_binary(out, static_cast<float>(ordinate));
-}
-
-void append_doubles(std::string& out, const Point3& p) {
-    for (const double ordinate : {p.x, p.y, p.z}) append_binary(out, ordinate);
-}
 
 Point3 point_of(const std::array<double, 3>& values) {
     return {values[0], values[1], values[2]};

@@ -11,7 +11,7 @@ namespace ccdt::api {
 
 // Writers of mesh files. Binary numbers are little endian. The functions write_*_mesh() write the triangulation of the
 // points, SurfaceDistribution::mesh, which must not be empty. All writers have the parameters and errors of
-// WriteSurface in surface_formats.h.
+// SpaceFormat::Write.
 
 /// Writes points as the element `vertex` of a binary PLY file, with the properties x, y, z (double); nx, ny, nz
 /// (float); red, green, blue (uchar, sRGB) and s, t (float) if the file has colours and texture coordinates; face

@@ -5,16 +5,14 @@
 #include <vector>
 
 #include "api/image/srgb.h"
-#include "api/json/json_document.h"
 #include "api/output/json_pieces.h"
 #include "api/output/npy_header.h"
+#include "api/output/records.h"
 #include "api/sample/surface_files.h"
 #include "api/text/numbers.h"
 
 namespace ccdt::api {
 namespace {
-
-constexpr std::size_t kStopStride = 4'096;  ///< points between two checks of the stop token
 
 /// Column of a table of points.
 struct Column {
@@ -48,11 +46,10 @@ void fill_row(const PlacedSurface& placed, std::size_t i, std::vector<double>& r
 template <class Append>
 void write_rows(const PlacedSurface& placed, Body& body, const std::stop_token& stop, Append append) {
     std::vector<double> row;
-    for (std::size_t i = 0; i < placed.size(); ++i) {
-        if (i % kStopStride == 0 && (!body.flush() || stop.stop_requested())) break;
+    write_records(placed.size(), body, stop, [&](std::size_t i) {
         fill_row(placed, i, row);
         append(row);
-    }
+    });
 }
 
 Result<void> write_csv(const PlacedSurface& placed, Body& body, const std::stop_token& stop) {
@@ -151,9 +148,7 @@ constexpr Estimate kBinaryCost{100, 0.2 * kMicrosecond};
 constexpr SurfacePointFormat kJsonPoints{kJson, 24, kTextCost, false, write_json, nullptr};
 constexpr SurfacePointFormat kCsvPoints{kCsv, 20, kTextCost, true, write_csv, nullptr};
 constexpr SurfacePointFormat kNpyPoints{kNpy, 10 * sizeof(double), kBinaryCost, true, write_npy, nullptr};
-// `model/ply` is common, but not registered.
-constexpr SurfacePointFormat kPlyFile{
-    {"ply", "PLY", "ply", "model/ply", ""}, 24, kBinaryCost, true, write_ply_points, write_ply_mesh};
+constexpr SurfacePointFormat kPlyFile{kPly, 24, kBinaryCost, true, write_ply_points, write_ply_mesh};
 constexpr SurfacePointFormat kGlbFile{
     {"glb", "glTF, binary", "glb", "model/gltf-binary", ""}, 12, kBinaryCost, true, write_glb_points, write_glb_mesh};
 constexpr SurfacePointFormat kObjFile{
@@ -168,17 +163,6 @@ constexpr const SurfacePointFormat* kFormats[] = {&kJsonPoints, &kCsvPoints, &kN
 
 std::span<const SurfacePointFormat* const> surface_formats() {
     return kFormats;
-}
-
-std::string write_notes(std::span<const SurfaceNote> notes) {
-    std::string out;
-    append_array(out, notes, [](std::string& to, const SurfaceNote& note) {
-        to += R"({"pointer":"","detail":)";
-        append_ascii_json_text(to, note.detail);
-        if (note.triangle) append_member(to, "face", std::uint64_t{*note.triangle});
-        to += '}';
-    });
-    return out;
 }
 
 }  // namespace ccdt::api

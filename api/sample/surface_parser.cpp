@@ -25,15 +25,6 @@ struct Draft {
     Options run;
 };
 
-/// Parses an option whose value is a JSON list.
-Result<JsonDocument> read_json(const Input& input) {
-    const auto text = read_text(input);
-    if (!text) return tl::unexpected(text.error());
-    auto document = JsonDocument::parse(*text);
-    if (!document || !document->root().is_array()) return malformed(input, "must be a list in JSON");
-    return document;
-}
-
 Result<void> read_density(const Input& input, SurfaceRequest& request) {
     static constexpr Choice<SurfaceDensityKind> kWords[] = {{"uniform", SurfaceDensityKind::Uniform},
                                                             {"color", SurfaceDensityKind::Colour},
@@ -45,7 +36,7 @@ Result<void> read_density(const Input& input, SurfaceRequest& request) {
             error.message += ", or a list in JSON with a number for each vertex";
             return error;
         }));
-    const auto document = read_json(input);
+    const auto document = parse_list(input);
     if (!document) return tl::unexpected(document.error());
     std::vector<double> values;
     for (const JsonValue element : document->root()) {
@@ -58,27 +49,20 @@ Result<void> read_density(const Input& input, SurfaceRequest& request) {
     return {};
 }
 
-Result<void> read_fixed(const Input& input, const Limits& limits, std::vector<Point3>& points) {
-    return read_json(input).and_then([&](const JsonDocument& document) {
-        return assign(points, read_space_points({input.name, input.field, document.root()}, limits));
-    });
-}
-
 Result<void> read_crease(const Input& input, SurfaceRequest& request) {
     constexpr double kDegree = std::numbers::pi / 180;
     constexpr Interval kAngles{.min = 0, .max = 180, .above_min = true};
     return assign(request.crease, read_number(input, kAngles).map([](double degrees) { return degrees * kDegree; }));
 }
 
-Result<void> read_order(const Input& input, SurfaceRequest& request) {
-    static constexpr Choice<PointOrder> kWords[] = {{"none", PointOrder::None},
-                                                    {"progressive", PointOrder::Progressive}};
-    if (const auto text = read_text(input); text && *text == "path")
-        return malformed(input, "cannot be 'path' on a surface, because paths are for drawings in the plane");
-    return assign(request.order, read_choice<PointOrder>(input, kWords));
+/// Checks the option `domain`. Its value `solid` requests points in space, which has another parser.
+Result<void> check_domain(const Input& input) {
+    if (const auto text = read_text(input); text && *text == "surface") return {};
+    return malformed(input, "must be surface or solid");
 }
 
-constexpr std::array<OptionRule<Draft>, 12> kRules = {{
+constexpr std::array<OptionRule<Draft>, 13> kRules = {{
+    {"domain", [](const Input& i, const Limits&, Draft&) { return check_domain(i); }},
     {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.run.sites, read_sites(i, l)); }},
     {"seed", [](const Input& i, const Limits&, Draft& d) { return read_seed(i, d.run); }},
     {"iterations", [](const Input& i, const Limits&, Draft& d) { return read_iterations(i, d.run); }},
@@ -88,8 +72,9 @@ constexpr std::array<OptionRule<Draft>, 12> kRules = {{
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.on_deadline, read_on_deadline(i)); }},
     {"density", [](const Input& i, const Limits&, Draft& d) { return read_density(i, d.request); }},
     {"crease", [](const Input& i, const Limits&, Draft& d) { return read_crease(i, d.request); }},
-    {"fixed", [](const Input& i, const Limits& l, Draft& d) { return read_fixed(i, l, d.request.run.fixed); }},
-    {"order", [](const Input& i, const Limits&, Draft& d) { return read_order(i, d.request); }},
+    {"fixed",
+     [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.run.fixed, read_space_points(i, l)); }},
+    {"order", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.order, read_space_order(i)); }},
     {"mesh", [](const Input& i, const Limits&, Draft& d) { return assign(d.run.keep_mesh, read_boolean(i)); }},
     {"format", [](const Input& i, const Limits&,
                   Draft& d) { return assign(d.request.format, read_format(i, surface_formats())); }},
@@ -99,12 +84,6 @@ constexpr std::array<OptionRule<Draft>, 12> kRules = {{
 
 std::vector<std::string_view> surface_options() {
     return names_of<Draft>(kRules);
-}
-
-Result<void> check_mesh(const SurfacePointFormat& format, bool mesh) {
-    if (format.writer(mesh) != nullptr) return {};
-    return failure(ErrorCode::Malformed,
-                   "format=" + std::string(format.file.name) + " is a triangulation, which needs mesh=true", "mesh");
 }
 
 Result<SurfaceRequest> parse_surface(Result<SurfaceFile> file, const std::vector<TextOption>& options,

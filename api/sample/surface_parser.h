@@ -13,11 +13,6 @@ namespace ccdt::api {
 /// Returns the names of the options.
 std::vector<std::string_view> surface_options();
 
-/// Checks that the triangulation is available if a format needs it.
-/// @param mesh  whether the triangulation was requested
-/// Errors: Malformed ("mesh").
-Result<void> check_mesh(const SurfacePointFormat& format, bool mesh);
-
 /// Reads a request for points on a surface.
 ///
 /// @param file     the mesh, or the error of its header

@@ -82,25 +82,6 @@ void order_points(const SurfaceRequest& request, const Surface& surface, const S
     dots.stopped = dots.stopped || control.stop.stop_requested();
 }
 
-/// Writes notes for an HTTP header.
-std::string header_of(std::span<const SurfaceNote> notes) {
-    constexpr std::size_t kMaxInHeader = 8;  // each note takes about 100 characters
-    return notes.empty() ? std::string() : write_notes(notes.first(std::min(notes.size(), kMaxInHeader)));
-}
-
-/// Returns the answer without its body.
-Answer head_of(const SurfacePointFormat& format, const PlacedSurface& placed) {
-    Answer answer;
-    answer.media_type = format.file.content_type();
-    answer.repeats = format.repeats;
-    answer.sites = placed.size();
-    answer.partial = placed.dots.stopped;
-    if (format.file.name == "json") return answer;
-    answer.repaired = header_of(placed.repairs);
-    answer.warnings = header_of(placed.warnings);
-    return answer;
-}
-
 }  // namespace
 
 Result<PlacedSurface> place_surface(const SurfaceRequest& request, const Decode& decode, const Control& control,
@@ -130,16 +111,7 @@ Result<PlacedSurface> place_surface(const SurfaceRequest& request, const Decode&
 Result<Answer> write_answer(const SurfaceRequest& request, const PlacedSurface& placed,
                             const SurfacePointFormat& format, const Control& control, Timings& timings,
                             BodySink* sink) {
-    Stopwatch watch;
-    if (auto can = check_mesh(format, request.run.keep_mesh); !can) return tl::unexpected(can.error());
-    Answer answer = head_of(format, placed);
-    const std::stop_token stop = stop_of_writing(control, request.on_deadline);
-    Body body(answer, sink, control.stop);
-    auto written = format.writer(request.run.keep_mesh)(placed, body, stop);
-    if (written) written = check_stop(stop);
-    timings.encode = watch.lap();
-    if (!written) return tl::unexpected(written.error());
-    return body.finish(std::move(answer));
+    return write_in_space(request, placed, format, control, timings, sink);
 }
 
 Result<Answer> run_surface(const SurfaceRequest& request, const Decode& decode, const Control& control,

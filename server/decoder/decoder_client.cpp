@@ -137,6 +137,12 @@ tl::unexpected<Error> describe(const NoReply& none, const std::string& what) {
     return failure(ErrorCode::Unavailable, "the decoder has ended, and was not restarted in time");
 }
 
+/// Returns a processor time in which a slow machine decodes pixels.
+std::chrono::seconds time_for(std::uint64_t pixels) {
+    constexpr std::uint64_t kPixelsPerMillisecond = 2000;
+    return std::chrono::ceil<std::chrono::seconds>(std::chrono::milliseconds(pixels / kPixelsPerMillisecond));
+}
+
 /// Returns the subject of error messages about a file.
 std::string subject_of(Order::Product product) {
     if (product == Order::Product::Map) return "the shapefile";
@@ -171,12 +177,10 @@ ResultOf<Reply> decode_by(const DecoderClient::PassOrder& pass_order, std::strin
 
 DecoderLimits decoder_limits(std::string_view file, std::size_t max_pixels) {
     constexpr std::chrono::seconds kTime{5};
-    constexpr std::uint64_t kPixelsPerMillisecond = 2000;
     constexpr std::size_t kMemory = std::size_t{24} << 20;  // enough to find the error in the file
     const auto header = api::read_image_header(file, max_pixels);
     if (!header) return {kMemory, kTime};
-    const std::chrono::milliseconds for_pixels(header->pixels() / kPixelsPerMillisecond);
-    return {header->decoder_bytes, kTime + std::chrono::ceil<std::chrono::seconds>(for_pixels)};
+    return {header->decoder_bytes, kTime + time_for(header->pixels())};
 }
 
 DecoderLimits surface_limits(std::string_view file, const api::SurfaceHeader& header) {
@@ -198,7 +202,9 @@ Result<AnyPicture> DecoderClient::decode_to(std::string_view bytes, const api::R
     text.max_size = reading.max_pixels;
     text.product = std::is_same_v<AnyPicture, ColourPicture> ? Order::Product::Colour : Order::Product::Grey;
     text.reduce = reading.reduce;
+    text.is_stack = reading.is_stack ? 1 : 0;
     text.limits = limits_(bytes, reading.max_pixels);
+    if (reading.is_stack) text.limits.time += time_for(reading.max_pixels);
     return decode_by<ReplyMemory<AnyPicture>>(pass_order_, bytes, text, stop, longest_wait_, deaths_);
 }
 

@@ -144,8 +144,10 @@ private:
         const auto max_pixels = static_cast<std::size_t>(order.text.max_size);
         ReplyMemory<AnyPicture> reply(order.reply, max_pixels);
         carry_out(std::move(order), reply, [&](std::string_view bytes, const Order::Text& text) {
-            const auto result = decode_file(bytes, {max_pixels, text.reduce},
-                                            [&reply](std::size_t values) { return reply.new_plane(values); });
+            api::Reading reading(max_pixels, text.reduce);
+            reading.is_stack = text.is_stack != 0;
+            const auto result =
+                decode_file(bytes, reading, [&reply](std::size_t values) { return reply.new_plane(values); });
             return reply.write(result);
         });
     }

@@ -40,6 +40,7 @@ struct Order {
         std::uint64_t max_size = 0;  ///< maximum number of pixels of the picture, or of bytes of the map or the mesh
         Product product = Product::Grey;
         std::int32_t reduce = 1;                         ///< as in api::Reading
+        std::int32_t is_stack = 0;                       ///< as in api::Reading
         std::array<char, kLongestName + 1> object = {};  ///< as in api::ShapefileReading; padded with zeros
         api::SurfaceHeader surface = {};                 ///< for a mesh
         std::int64_t patience_ms = 0;                    ///< maximum wait for a helper, in milliseconds

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/work/form.h"
 
+#include <algorithm>
 #include <string_view>
 #include <utility>
 
@@ -10,6 +11,8 @@ namespace ccdt::server {
 namespace {
 
 constexpr std::string_view kFile = "file";  ///< name of the field that is the body at every endpoint
+/// Name of a field with voxels. If it is a file, it is the body of a form without the body kMap.
+constexpr std::string_view kDensity = "density", kMap = "map";
 
 bool is_form(const ComputeRequest& request) {
     return media_type(request.content_type) == "multipart/form-data";
@@ -27,9 +30,12 @@ Result<const FormPart*> find_body(const std::vector<FormPart>& fields, std::stri
         if (body != nullptr) return failure(ErrorCode::Malformed, "the form contains more than one " + name, name);
         body = &field;
     }
-    if (body == nullptr)
+    if (body != nullptr) return body;
+    const auto is_density = [](const FormPart& field) { return field.name == kDensity && field.is_file; };
+    const auto density = std::ranges::find_if(fields, is_density);
+    if (density == fields.end() || part != kMap)
         return failure(ErrorCode::Malformed, "the form has no part `" + name + "` or `file` with the " + name, name);
-    return body;
+    return &*density;
 }
 
 }  // namespace
@@ -49,7 +55,7 @@ Result<void> take_apart(ComputeRequest& request, const std::vector<FormPart>& fi
     const auto body = find_body(fields, part);
     if (!body) return tl::unexpected(body.error());
     for (const FormPart& field : fields) {
-        if (is_body(field, part)) continue;
+        if (&field == *body) continue;
         if (!request.query.empty()) request.query += '&';
         request.query += encode_percent(field.name) + '=' + encode_percent(field.content(request.body));
     }

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <string>
 
+#include "api/input/file_formats.h"
 #include "api/map/shapefile_reader.h"
 #include "api/sample/sample_cost.h"
+#include "api/sample/voxel_input.h"
 #include "api/surface/surface_header.h"
 #include "api/text/text.h"
 #include "server/http/http.h"
@@ -43,8 +45,10 @@ bool is_mesh(std::string_view type) {
     return api::recognise_surface({}, type).has_value();
 }
 
-bool holds_mesh(const Operation& operation, const ComputeRequest& request) {
-    return operation.takes_meshes && api::recognise_surface(request.body, media_type(request.content_type));
+/// Whether the body is a mesh or a file of voxels, so that the options are in the query.
+bool holds_shape(const Operation& operation, const ComputeRequest& request) {
+    return (operation.takes_voxels && api::is_voxel_file(request.body)) ||
+           (operation.takes_meshes && api::recognise_surface(request.body, media_type(request.content_type)));
 }
 
 bool reads_json(const Operation& operation, const ComputeRequest& request) {
@@ -72,7 +76,8 @@ Result<void> check(const Operation& operation, const ComputeRequest& request) {
     if (operation.takes_pictures) return {};
     const std::string type = media_type(request.content_type);
     if (may_hold_json(type) || type == "multipart/form-data" || (operation.takes_shapefiles && is_zip(type)) ||
-        (operation.takes_meshes && is_mesh(type)))
+        (operation.takes_meshes && is_mesh(type)) ||
+        (operation.takes_voxels && (type == api::kNpy.media_type || type == "image/tiff")))
         return {};
     return failure(ErrorCode::Unsupported, "the type of the body must be application/json, " +
                                                std::string(operation.takes_shapefiles ? "application/zip, " : "") +
@@ -94,11 +99,17 @@ api::Cost cost_of_parsing(const Operation& operation, const ComputeRequest& requ
     constexpr double kSecondsPerByte = 1e-9;
     const double seconds = static_cast<double>(request.body.size()) * kSecondsPerByte;
     if (!reads_json(operation, request)) return {0, seconds};
-    if (!holds_mesh(operation, request)) return api::cost_of_parsing(request.body);
-    // Densities and fixed points are lists in JSON. Each value follows one of these characters.
+    if (!holds_shape(operation, request)) return api::cost_of_parsing(request.body);
+    // Densities and fixed points are lists in JSON. Each value follows a comma or a bracket, which may be encoded as
+    // %2C or %5B.
     constexpr std::size_t kBytesPerValue = 64;
-    const auto values = std::ranges::count_if(request.query, [](char c) { return c == ',' || c == '[' || c == '%'; });
-    return {2 * request.query.size() + kBytesPerValue * static_cast<std::size_t>(values), seconds};
+    std::size_t values = 0;
+    char before = 0;
+    for (const char c : request.query) {
+        if (c == ',' || c == '[' || (before == '%' && (c == '2' || c == '5'))) ++values;
+        before = c;
+    }
+    return {2 * request.query.size() + kBytesPerValue * values, seconds};
 }
 
 api::Cost cost_of_answering(const Operation& operation, const ComputeRequest& request,

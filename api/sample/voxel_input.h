@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "api/image/image_codec.h"
+#include "api/input/option_reader.h"
+#include "api/run/estimate.h"
+#include "api/run/options.h"
+#include "api/sample/density_input.h"
+#include "core/result.h"
+#include "core/volume/voxel_density.h"
+
+namespace ccdt::api {
+
+/// A file with the densities of voxels: a NumPy array (depth, height, width), or a TIFF with a page for each layer,
+/// from the smallest z. The first row of a layer is at the smallest y. The values are the densities.
+struct VoxelFile {
+    std::string_view bytes;  ///< the file; lies in `owned` or in the caller's memory, which must outlive this object
+    std::array<std::size_t, 3> voxels{};  ///< number along x, y and z
+    std::size_t decoder_bytes = 0;        ///< memory of the reader of a TIFF; 0 for a NumPy array
+    std::shared_ptr<const std::string> owned = {};
+
+    double count() const {
+        return static_cast<double>(voxels[0]) * static_cast<double>(voxels[1]) * static_cast<double>(voxels[2]);
+    }
+};
+
+/// Density of a request for points in space. None: uniform.
+using VoxelInput = std::variant<std::monostate, VoxelGrid, VoxelFile>;
+
+/// Whether a file may be a VoxelFile, by its first bytes.
+bool is_voxel_file(std::string_view bytes);
+
+/// Reads the header of a file of voxels.
+/// Errors: those of read_npy() and read_image_header(); Malformed for an array without three axes, or of a type that is
+/// not supported; LimitExceeded for more than limits.max_pixels voxels. Error::field is empty.
+Result<VoxelFile> open_voxels(std::string_view bytes, const Limits& limits);
+
+/// Reads the option `density`: `{"width":w,"height":h,"depth":d,"values":[...]}`, or the text of a file of voxels.
+/// Errors: Malformed, with a JSON Pointer to the faulty value; those of open_voxels().
+Result<VoxelInput> read_voxels(const Input& input, const Limits& limits);
+
+/// Creates the density of a request. Errors: those of `decode` and of VoxelDensity::create().
+Result<VoxelDensity> make_density(const VoxelInput& input, const Decode& decode, const std::stop_token& stop);
+
+/// Estimates the cost of reading voxels and of creating the density.
+Estimate voxel_cost(const VoxelInput& input);
+
+/// Returns the number of bytes that voxels hold in memory in addition to the body of their request.
+std::size_t bytes_of(const VoxelInput& input);
+
+}  // namespace ccdt::api
