@@ -49,7 +49,7 @@ Result<void> check_mask(const Rectangle* domain, const std::string& format_field
 Result<Answer> run_mask(const ThresholdMask& mask, const Control& control, Timings& timings) {
     Stopwatch watch;
     const int width = static_cast<int>(mask.torus.width), height = static_cast<int>(mask.torus.height);
-    const auto ranks = threshold_mask(width, height, mask.seed, control.stop);
+    const auto ranks = threshold_mask(width, height, 1, mask.seed, control.stop);
     timings.optimise = watch.lap();
     if (auto going = check_stop(control.stop); !going) return tl::unexpected(going.error());
 
