@@ -29,15 +29,14 @@ Result<SurfaceDensity> make_density(const SurfaceRequest& request, const Surface
     };
     if (const auto* values = std::get_if<std::vector<double>>(&request.density))
         return SurfaceDensity::of_vertices(surface, soup, *values).map_error(as_option);
+    const double spacing = std::sqrt(surface.total_area() / static_cast<double>(request.run.sites));
     switch (std::get<SurfaceDensityKind>(request.density)) {
         case SurfaceDensityKind::Uniform:
             break;
         case SurfaceDensityKind::Colour:
-            return SurfaceDensity::of_colours(surface, soup).map_error(as_option);
-        case SurfaceDensityKind::Curvature: {
-            const double spacing = std::sqrt(surface.total_area() / static_cast<double>(request.run.sites));
+            return SurfaceDensity::of_colours(surface, soup, spacing).map_error(as_option);
+        case SurfaceDensityKind::Curvature:
             return SurfaceDensity::of_curvature(surface, spacing);
-        }
     }
     return SurfaceDensity::uniform();
 }

@@ -145,7 +145,10 @@ public:
 private:
     void append(const PlacedMesh& placed) {
         const aiMesh& mesh = *placed.mesh;
-        auto& [vertices, triangles, colours, texture] = contents_.soup;
+        auto& vertices = contents_.soup.vertices;
+        auto& triangles = contents_.soup.triangles;
+        auto& colours = contents_.soup.colours;
+        auto& texture = contents_.soup.texture;
         const auto first = static_cast<std::uint32_t>(vertices.size());
         for (const aiVector3D& v : std::span(mesh.mVertices, mesh.mNumVertices)) {
             const auto moved = placed.matrix * aiVector3t<double>(v.x, v.y, v.z);
