@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "api/image/image_codec.h"
+#include "api/decode/decode.h"
 #include "api/output/body.h"
 #include "api/run/options.h"
 #include "api/sample/surface_request.h"

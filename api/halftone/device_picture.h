@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
+#include "api/decode/decode.h"
 #include "api/halftone/halftone_input.h"
 #include "api/image/device_writers.h"
-#include "api/image/image_codec.h"
 #include "api/input/device.h"
 #include "api/input/file_formats.h"
 #include "api/input/picture_options.h"

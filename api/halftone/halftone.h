@@ -4,10 +4,10 @@
 #include <string_view>
 #include <vector>
 
+#include "api/decode/decode.h"
 #include "api/halftone/halftone_input.h"
 #include "api/halftone/halftone_plan.h"
 #include "api/halftone/halftone_request.h"
-#include "api/image/image_codec.h"
 #include "api/output/body.h"
 #include "api/run/options.h"
 #include "core/ccdt/ccdt.h"

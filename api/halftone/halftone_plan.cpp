@@ -11,9 +11,9 @@
 #include <string>
 #include <utility>
 
+#include "api/decode/decode.h"
 #include "api/halftone/drawing_size.h"
 #include "api/halftone/halftone_cost.h"
-#include "api/image/image_codec.h"
 #include "api/image/ink_set.h"
 #include "api/output/plot.h"
 #include "api/output/point_drawing.h"

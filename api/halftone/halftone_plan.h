@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "api/decode/decode.h"
 #include "api/halftone/halftone_request.h"
-#include "api/image/image_codec.h"
 #include "api/output/json_writer.h"
 #include "core/ccdt/ccdt.h"
 #include "core/density/density.h"

@@ -23,7 +23,6 @@
 #include "api/image/library_reader.h"
 #include "api/image/picture_reader.h"
 #include "api/image/row_source.h"
-#include "api/surface/surface_reader.h"
 
 namespace ccdt::api {
 namespace {
@@ -134,18 +133,6 @@ Result<Picture> decode_image(std::string_view bytes, const Reading& reading, con
 
 Result<ColourPicture> decode_colour_image(std::string_view bytes, const Reading& reading, const NewPlane& make_plane) {
     return decode<ColourPicture>(bytes, reading, make_plane);
-}
-
-Decode decode_inline() {
-    return {[](std::string_view bytes, const Reading& reading, const std::stop_token&) {
-                return decode_image(bytes, reading);
-            },
-            [](std::string_view bytes, const Reading& reading, const std::stop_token&) {
-                return decode_colour_image(bytes, reading);
-            },
-            [](std::string_view bytes, const SurfaceHeader& header, const std::stop_token&) {
-                return read_surface(bytes, header);
-            }};
 }
 
 }  // namespace ccdt::api

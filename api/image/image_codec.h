@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <functional>
-#include <stop_token>
 #include <string_view>
 
 #include "api/image/picture_reader.h"
-#include "api/surface/surface_reader.h"
 #include "core/halftone/picture.h"
 #include "core/result.h"
 
@@ -29,22 +26,5 @@ Result<Picture> decode_image(std::string_view bytes, const Reading& reading, con
 /// Decodes an image file like decode_image(), but to red, green and blue. The three are equal if the file is grey.
 Result<ColourPicture> decode_colour_image(std::string_view bytes, const Reading& reading,
                                           const NewPlane& make_plane = new_plane);
-
-/// Decoders: decode_image(), decode_colour_image() and read_surface(), or functions that do the same in another
-/// process. They may poll the stop token; after a stop, they fail with Stopped.
-struct Decode {
-    template <class AnyPicture>
-    using To =
-        std::function<Result<AnyPicture>(std::string_view bytes, const Reading& reading, const std::stop_token& stop)>;
-
-    To<Picture> grey;
-    To<ColourPicture> colour;
-    std::function<Result<SurfaceContents>(std::string_view bytes, const SurfaceHeader& header,
-                                          const std::stop_token& stop)>
-        surface = {};  ///< empty where no mesh files are read
-};
-
-/// Returns decoders that run in the calling thread and ignore the stop token.
-Decode decode_inline();
 
 }  // namespace ccdt::api

@@ -13,8 +13,8 @@
 #include <unistd.h>
 
 #include "api/analyze/analyze.h"
+#include "api/decode/decode.h"
 #include "api/halftone/device_picture.h"
-#include "api/image/image_codec.h"
 #include "api/input/negotiation.h"
 #include "api/map/object_option.h"
 #include "api/map/shapefile_reader.h"

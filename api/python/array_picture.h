@@ -3,7 +3,7 @@
 
 #include <pybind11/numpy.h>
 
-#include "api/image/image_codec.h"
+#include "api/decode/decode.h"
 #include "api/image/image_header.h"
 #include "core/result.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <pybind11/pybind11.h>
 
-#include "api/image/image_codec.h"
+#include "api/decode/decode.h"
 #include "api/python/decode_capsule.h"
 
 /// The module ccdt._codec: decoders of picture files, which ccdt._core calls.

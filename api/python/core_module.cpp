@@ -248,9 +248,10 @@ public:
         const std::string_view bytes = api::without_byte_order_mark(py::reinterpret_borrow<py::bytes>(mesh_));
         const auto format = api::recognise_surface(bytes);
         if (!format) return failure(ErrorCode::Unsupported, "domain is not the file of a mesh", "domain");
-        return api::read_surface_header(bytes, *format, limits.max_faces).map([&](const api::SurfaceHeader& header) {
-            return api::SurfaceFile{bytes, header};
-        });
+        return api::read_surface_header(bytes, *format, limits.max_faces, limits.max_pixels)
+            .map([&](const api::SurfaceHeader& header) {
+                return api::SurfaceFile{bytes, header};
+            });
     }
 
     const api::Decode& decode() const { return decode_.surface ? decode_ : file_decode(); }

@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "api/image/image_codec.h"
+#include "api/decode/decode.h"
 #include "api/image/image_header.h"
 #include "api/input/option_reader.h"
 #include "api/run/estimate.h"

@@ -5,7 +5,7 @@
 #include <stop_token>
 #include <vector>
 
-#include "api/image/image_codec.h"
+#include "api/decode/decode.h"
 #include "api/run/options.h"
 #include "api/sample/sample_request.h"
 #include "core/geometry/domain.h"

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "api/image/image_codec.h"
+#include "api/decode/decode.h"
 #include "api/json/json_document.h"
 #include "api/output/body.h"
 #include "api/run/deadline.h"

@@ -24,7 +24,7 @@ struct PlacedSurface {
     double elapsed = 0;  ///< computing time so far, milliseconds
 
     std::size_t size() const { return dots.points.size(); }
-    bool has_colours() const { return !soup.colours.empty(); }
+    bool has_colours() const { return soup.has_colours(); }
     bool has_texture() const { return !soup.texture.empty(); }
 
     /// Index of the triangle of the file in which point i lies.
@@ -44,26 +44,13 @@ struct PlacedSurface {
     Point3 normal(std::size_t i) const { return surface.smooth_normal(dots.points[i]); }
 
     /// Colour at point i in linear light. The file must have colours.
-    std::array<float, 3> colour(std::size_t i) const { return interpolated(soup.colours, i); }
+    std::array<float, 3> colour(std::size_t i) const {
+        const auto [red, green, blue, alpha] = soup.colour_at(face(i), weights(i));
+        return {red, green, blue};
+    }
 
     /// Texture coordinates at point i. The file must have them.
-    std::array<float, 2> texture(std::size_t i) const { return interpolated(soup.texture, i); }
-
-private:
-    /// @param values  [vertices] values at the vertices of the file
-    template <std::size_t kSize>
-    std::array<float, kSize> interpolated(const std::vector<std::array<float, kSize>>& values, std::size_t i) const {
-        const auto weights_of = weights(i);
-        const auto& corners = soup.triangles[face(i)];
-        std::array<float, kSize> value{};
-        for (std::size_t k = 0; k < kSize; ++k) {
-            double sum = 0;
-            for (std::size_t corner = 0; corner < corners.size(); ++corner)
-                sum += weights_of[corner] * static_cast<double>(values[corners[corner]][k]);
-            value[k] = static_cast<float>(sum);
-        }
-        return value;
-    }
+    std::array<float, 2> texture(std::size_t i) const { return soup.interpolated(soup.texture, face(i), weights(i)); }
 };
 
 }  // namespace ccdt::api

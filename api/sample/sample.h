@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "api/image/image_codec.h"
+#include "api/decode/decode.h"
 #include "api/output/body.h"
 #include "api/run/options.h"
 #include "api/sample/placement.h"

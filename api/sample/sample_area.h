@@ -7,7 +7,7 @@
 #include <stop_token>
 #include <vector>
 
-#include "api/image/image_codec.h"
+#include "api/decode/decode.h"
 #include "api/output/json_writer.h"
 #include "api/run/options.h"
 #include "api/sample/sample_request.h"

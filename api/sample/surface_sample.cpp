@@ -15,28 +15,42 @@
 #include "api/run/stopwatch.h"
 #include "api/sample/ordering.h"
 #include "api/sample/surface_parser.h"
+#include "api/text/text.h"
 #include "core/order/progressive_order.h"
 #include "core/surface/surface_density.h"
 
 namespace ccdt::api {
 namespace {
 
-Result<SurfaceDensity> make_density(const SurfaceRequest& request, const Surface& surface, const TriangleSoup& soup) {
-    const auto as_option = [](Error error) {
-        if (error.field.empty()) error.field = "density";
-        return error;
-    };
+/// Returns the error of a mesh without colours.
+/// @param reason  why a picture could not be read; empty if all were read
+tl::unexpected<Error> no_colours(const SurfaceFile& file, std::string reason) {
+    constexpr std::string_view kMaterials = "mtllib ";
+    if (const auto at = file.bytes.find(kMaterials);
+        file.header.format == SurfaceFormat::Obj && at != std::string_view::npos) {
+        std::string_view rest = file.bytes.substr(at + kMaterials.size());
+        reason = "its materials are in another file (" + std::string(trim(take_until(rest, "\n"), " \t\r")) +
+                 "); send a GLB, which holds its textures";
+    }
+    return failure(ErrorCode::Unusable, "the mesh has no colours" + (reason.empty() ? reason : ": " + reason),
+                   "density");
+}
+
+/// @param read  contents of the file, with valid colours
+Result<SurfaceDensity> make_density(const SurfaceRequest& request, const Surface& surface,
+                                    const SurfaceContents& read) {
+    const double spacing = std::sqrt(surface.total_area() / static_cast<double>(request.run.sites));
     if (const auto* values = std::get_if<std::vector<double>>(&request.density))
-        return SurfaceDensity::of_vertices(surface, soup, *values).map_error(as_option);
+        return SurfaceDensity::of_vertices(surface, read.soup, *values);
     switch (std::get<SurfaceDensityKind>(request.density)) {
         case SurfaceDensityKind::Uniform:
             break;
         case SurfaceDensityKind::Colour:
-            return SurfaceDensity::of_colours(surface, soup).map_error(as_option);
-        case SurfaceDensityKind::Curvature: {
-            const double spacing = std::sqrt(surface.total_area() / static_cast<double>(request.run.sites));
+            if (read.soup.colours.empty() && (!read.picture_error.empty() || read.soup.materials.empty()))
+                return no_colours(request.file, read.picture_error);
+            return SurfaceDensity::of_colours(surface, read.soup, spacing);
+        case SurfaceDensityKind::Curvature:
             return SurfaceDensity::of_curvature(surface, spacing);
-        }
     }
     return SurfaceDensity::uniform();
 }
@@ -91,8 +105,9 @@ Result<PlacedSurface> place_surface(const SurfaceRequest& request, const Decode&
     auto made = Surface::create(read->soup, request.crease, control.stop);
     if (!made) return tl::unexpected(std::move(made.error()));
     drop_invalid(read->soup, made->warnings);
-    const auto density = make_density(request, made->surface, read->soup);
+    const auto density = make_density(request, made->surface, *read);
     if (!density) return tl::unexpected(density.error());
+    if (!read->picture_error.empty()) made->warnings.push_back({read->picture_error});
     auto dots = distribute_on_surface(made->surface, *density, request.run, control);
     if (dots) order_points(request, made->surface, *density, control, *dots);
     timings.optimise = watch.lap();
@@ -122,11 +137,13 @@ Result<Answer> run_surface(const SurfaceRequest& request, const Decode& decode, 
 Cost cost_of(const SurfaceRequest& request) {
     // Fitted to measured peaks of resident memory and to measured times; tests/api/cost_test.cpp compares the peaks.
     constexpr Estimate kTriangle{300, 3.2 * kMicrosecond}, kVertex{60, 0};
+    constexpr Estimate kTexel{4, 0.02 * kMicrosecond};
     constexpr Estimate kTree{250, kMicrosecond};                               // of a triangle, to place fixed points
     constexpr Estimate kProjection{0, 10 * kMicrosecond};                      // of a fixed point near the surface
     constexpr Estimate kSite{700, 2 * kMicrosecond};                           // initial sites and their triangulation
     constexpr Estimate kPass{0, 0.45 * kMicrosecond};                          // pass of an iteration, of a site
     constexpr Estimate kPolish{0, 17 * kMicrosecond};                          // standard quality, of a site
+    constexpr Estimate kPicture{4'000, 30 * kMicrosecond};                     // density by pictures, of a site
     constexpr Estimate kProgressive{100, 4 * kMicrosecond}, kKeptMesh{80, 0};  // of a site
     constexpr double kBest = 4;  // polish of the best quality, relative to the standard quality
     const SurfaceOptions& run = request.run;
@@ -137,9 +154,12 @@ Cost cost_of(const SurfaceRequest& request) {
         site = site + kPolish * (run.quality == Quality::Best ? kBest : 1);
     if (run.keep_mesh) site = site + kKeptMesh;
     if (request.order == PointOrder::Progressive) site = site + kProgressive;
+    const auto* kind = std::get_if<SurfaceDensityKind>(&request.density);
+    if (kind != nullptr && *kind == SurfaceDensityKind::Colour && header.texels > 0) site = site + kPicture;
     const Estimate read{static_cast<double>(header.decoder_bytes), 0};
-    const Estimate surface =
-        triangle * static_cast<double>(header.max_triangles) + kVertex * static_cast<double>(header.max_vertices);
+    const Estimate surface = triangle * static_cast<double>(header.max_triangles) +
+                             kVertex * static_cast<double>(header.max_vertices) +
+                             kTexel * static_cast<double>(header.texels);
     const Estimate points = site * static_cast<double>(run.sites + run.fixed.size()) +
                             kProjection * static_cast<double>(run.fixed.size()) +
                             request.format->per_site * static_cast<double>(run.sites);

@@ -8,11 +8,14 @@
 #include <utility>
 #include <vector>
 
+#include "api/image/embedded_image.h"
+#include "api/image/image_header.h"
 #include "api/json/json_document.h"
 #include "api/surface/off_header.h"
 #include "api/surface/surface_errors.h"
 #include "api/text/byte_order_mark.h"
 #include "api/text/text.h"
+#include "core/surface/triangle_soup.h"
 
 namespace ccdt::api {
 namespace {
@@ -61,6 +64,12 @@ std::uint64_t triangles_of(std::uint64_t corners, std::uint64_t polygons) {
     return corners > 2 * polygons ? corners - 2 * polygons : 0;
 }
 
+/// Returns the error of a file that is shorter than its header requires.
+tl::unexpected<Error> too_short(std::string_view format, std::uint64_t needed, std::uint64_t present) {
+    return unusable_surface(format, "its header promises at least " + std::to_string(needed) +
+                                        " numbers or bytes, but the file has " + std::to_string(present));
+}
+
 bool is_binary_stl(std::string_view bytes) {
     return bytes.size() >= kStlHead && (bytes.size() - kStlHead) % kStlFacet == 0 &&
            number_at(bytes, kStlHead - 4) == (bytes.size() - kStlHead) / kStlFacet;
@@ -68,11 +77,8 @@ bool is_binary_stl(std::string_view bytes) {
 
 Result<Bounds> bounds_of_binary_stl(std::string_view bytes) {
     const std::uint64_t facets = bytes.size() < kStlHead ? 0 : number_at(bytes, kStlHead - 4);
-    const std::uint64_t expected = kStlHead + kStlFacet * facets;
-    if (bytes.size() != expected)
-        return unusable_surface("STL", "its header promises " + std::to_string(facets) + " facets in " +
-                                           std::to_string(expected) + " bytes, but the file has " +
-                                           std::to_string(bytes.size()));
+    const std::uint64_t needed = kStlHead + kStlFacet * facets;
+    if (needed > bytes.size()) return too_short("STL", needed, bytes.size());
     return Bounds{facets, 3 * facets, facets, true};
 }
 
@@ -117,84 +123,43 @@ Bounds bounds_of_obj(std::string_view text) {
     return bounds;
 }
 
-/// An element of the header of a PLY. Sizes are in bytes, or in words if the file is a text.
-struct PlyElement {
-    std::string_view name;
-    std::uint64_t count = 0;
-    std::uint64_t size = 0;  ///< size if all lists are empty
-    std::uint64_t item = 0;  ///< smallest size of an entry of a list; 0 without lists
-};
-
-struct PlyHeader {
-    std::vector<PlyElement> elements;
-    bool is_text = true;
-    std::string_view data;
-};
-
-/// Reads a line that declares a property; returns false for an unknown type.
-bool add_property(PlyElement& element, std::string_view line, bool is_text) {
-    const auto size_of_next = [&] {
-        const std::uint64_t size = size_of_ply_type(take_word(line));
-        return is_text ? std::min<std::uint64_t>(size, 1) : size;
-    };
-    std::string_view rest = line;
-    const bool is_list = take_word(rest) == "list";
-    if (is_list) line = rest;
-    const std::uint64_t size = size_of_next();
-    const std::uint64_t item = is_list ? size_of_next() : 0;
-    element.size += size;
-    if (is_list) element.item = element.item == 0 ? item : std::min(element.item, item);
-    return size > 0 && (item > 0 || !is_list);
-}
-
-Result<PlyHeader> read_ply_header(std::string_view bytes) {
-    PlyHeader header;
-    const auto fail = [](int number, std::string_view reason) {
-        return unusable_surface("PLY", "line " + std::to_string(number) + " of its header " + std::string(reason));
-    };
-    for (int number = 1; !bytes.empty(); ++number) {
-        std::string_view line = trim(take_until(bytes, "\n"), kBlanks);
-        const std::string_view word = take_word(line);
-        if (word == "end_header") {
-            header.data = bytes;
-            return header;
-        }
-        if (word == "format") {
-            header.is_text = take_word(line) == "ascii";
-        } else if (word == "element") {
-            const std::string_view name = take_word(line);
-            const auto count = parse_number<std::uint32_t>(take_word(line));
-            if (!count) return fail(number, "does not give a number of elements below 4294967296");
-            header.elements.push_back({.name = name, .count = *count});
-        } else if (word == "property") {
-            if (header.elements.empty() || !add_property(header.elements.back(), line, header.is_text))
-                return fail(number, "does not declare a property of a known type");
-        }
-    }
-    return unusable_surface("PLY", "its header has no end");
+/// Returns the size of a value in a PLY, in bytes, or in words if the file is a text; 1 for unknown types.
+std::uint64_t size_of_type(std::string_view type, bool is_text) {
+    return is_text ? 1 : std::max<std::uint64_t>(size_of_ply_type(type), 1);
 }
 
 Result<Bounds> bounds_of_ply(std::string_view bytes) {
-    const auto header = read_ply_header(bytes);
-    if (!header) return tl::unexpected(header.error());
     Bounds bounds;
-    std::uint64_t needed = 0;
-    std::uint64_t item = 0;
-    for (const PlyElement& element : header->elements) {
-        needed += element.count * element.size;
-        if (element.name == "vertex") bounds.vertices = element.count;
-        if (element.name == "face") bounds.faces = element.count;
-        // The library returns only one triangle of each strip.
-        if (element.name == "tristrips") return unusable_surface("PLY", "triangle strips are not supported");
-        if (element.item > 0) item = item == 0 ? element.item : std::min(item, element.item);
+    bool is_text = true;
+    std::uint64_t count = 0;   // of the elements that are being declared
+    std::uint64_t needed = 0;  // size of all elements if their lists are empty
+    std::uint64_t item = 8;    // smallest size of an entry of a list
+    for (std::string_view word; word != "end_header";) {
+        if (bytes.empty()) return unusable_surface("PLY", "its header has no end");
+        std::string_view line = trim(take_until(bytes, "\n"), kBlanks);
+        word = take_word(line);
+        if (word == "format") is_text = take_word(line) == "ascii";
+        if (word == "element") {
+            const std::string_view name = take_word(line);
+            const auto number = parse_number<std::uint32_t>(take_word(line));
+            if (!number) return unusable_surface("PLY", "its header lacks a number of elements below 4294967296");
+            count = *number;
+            if (name == "vertex") bounds.vertices = count;
+            if (name == "face") bounds.faces = count;
+            // The library returns only one triangle of each strip.
+            if (name == "tristrips") return unusable_surface("PLY", "triangle strips are not supported");
+        }
+        if (word == "property") {
+            std::string_view type = take_word(line);
+            const bool is_list = type == "list";
+            if (is_list) type = take_word(line);
+            needed += count * size_of_type(type, is_text);
+            if (is_list) item = std::min(item, size_of_type(take_word(line), is_text));
+        }
     }
-    const std::uint64_t present = header->is_text ? count_words(header->data) : header->data.size();
-    if (needed > present) {
-        const char* const unit = header->is_text ? " numbers" : " bytes";
-        return unusable_surface("PLY", "its header promises at least " + std::to_string(needed) + unit +
-                                           ", but the file has " + std::to_string(present));
-    }
-    if (item > 0) bounds.triangles = triangles_of((present - needed) / item, bounds.faces);
+    const std::uint64_t present = is_text ? count_words(bytes) : bytes.size();
+    if (needed > present) return too_short("PLY", needed, present);
+    bounds.triangles = triangles_of((present - needed) / item, bounds.faces);
     return bounds;
 }
 
@@ -203,105 +168,123 @@ Result<Bounds> bounds_of_off(std::string_view text) {
     if (!header) return tl::unexpected(header.error());
     const std::uint64_t needed = header->vertices * header->values_per_vertex() + header->faces;
     const std::uint64_t present = count_words(header->data);
-    if (needed > present)
-        return unusable_surface("OFF", "its header promises at least " + std::to_string(needed) +
-                                           " numbers, but the file has " + std::to_string(present));
+    if (needed > present) return too_short("OFF", needed, present);
     const std::uint64_t triangles = triangles_of(present - needed, header->faces);
     return Bounds{triangles, header->vertices, header->faces};
 }
 
-/// Returns the JSON part of a glTF. Errors: Unusable for a damaged container.
-Result<std::string_view> json_of_gltf(std::string_view bytes, SurfaceFormat format) {
-    if (format == SurfaceFormat::Gltf) return bytes;
-    constexpr std::size_t kHead = 20;  // header and the head of the first chunk
-    if (bytes.size() < kHead) return unusable_surface(name_of(format), "it is truncated");
+/// Parts of a glTF file.
+struct GltfParts {
+    std::string_view json;
+    std::string_view binary;  ///< content of the first buffer; empty if it is not in the file itself
+};
+
+/// Divides a glTF file into its parts. Errors: Unusable for a damaged container.
+Result<GltfParts> parts_of_gltf(std::string_view bytes, SurfaceFormat format) {
+    if (format == SurfaceFormat::Gltf) return GltfParts{bytes, {}};
+    constexpr std::size_t kHead = 20, kChunkHead = 8;  // the first one includes the head of the first chunk
+    if (bytes.size() < kHead || number_at(bytes, 8) > bytes.size() || number_at(bytes, 12) > bytes.size() - kHead)
+        return unusable_surface(name_of(format), "it is truncated");
     if (number_at(bytes, 4) != 2)
         return unusable_surface(
             name_of(format), "its version is " + std::to_string(number_at(bytes, 4)) + "; only version 2 is supported");
-    if (bytes.substr(16, 4) != "JSON") return unusable_surface(name_of(format), "its first chunk is not JSON");
-    const std::uint64_t size = number_at(bytes, 12);
-    if (size > bytes.size() - kHead || number_at(bytes, 8) > bytes.size())
-        return unusable_surface(name_of(format), "it is truncated");
-    return trim(bytes.substr(kHead, static_cast<std::size_t>(size)), std::string_view(" \0", 2));
+    const auto size = static_cast<std::size_t>(number_at(bytes, 12));
+    const std::string_view rest = bytes.substr(kHead + size);
+    return GltfParts{trim(bytes.substr(kHead, size), std::string_view(" \0", 2)),
+                     rest.substr(std::min(kChunkHead, rest.size()))};
 }
 
-/// The JSON part of a glTF.
+/// Reads the JSON of a glTF.
 class Gltf {
 public:
-    Gltf(JsonValue root, SurfaceFormat format)
-        : root_(root),
-          format_(format),
-          nodes_(list(root, "nodes")),
-          meshes_(list(root, "meshes")),
-          accessors_(list(root, "accessors")) {}
+    Gltf(JsonValue root, std::string_view binary, SurfaceFormat format)
+        : root_(root), binary_(binary), format_(format) {}
 
-    /// Counts the triangles and vertices of the scene.
+    /// Returns bounds of the triangles and vertices of the scene.
     Result<Bounds> bounds() const {
         if (const auto checked = check_contents(); !checked) return tl::unexpected(checked.error());
-        Bounds bounds;
-        std::size_t visited = 0;
+        const auto nodes = list(root_, "nodes"), meshes = list(root_, "meshes");
         struct Visit {
-            JsonValue node;
+            std::size_t node;
             int depth;
         };
         std::vector<Visit> waiting;
-        const auto add = [&](std::vector<JsonValue> references, int depth) -> bool {
-            for (const JsonValue reference : references) {
-                const auto node = element(nodes_, reference);
-                if (!node) return false;
+        std::vector<std::uint8_t> is_reached(nodes.size(), 0);
+        const auto reach = [&](JsonValue parent, std::string_view name, int depth) {
+            return std::ranges::all_of(list(parent, name), [&](JsonValue child) {
+                const auto node = index(child, nodes.size());
+                if (!node || std::exchange(is_reached[*node], std::uint8_t{1}) != 0 || depth > kMaxDepth) return false;
                 waiting.push_back({*node, depth});
-            }
-            return true;
+                return true;
+            });
         };
-        if (!add(roots(), 0))
-            return unusable_surface(name_of(format_), "its scene refers to a node that does not exist");
-        while (!waiting.empty()) {
+        const auto scenes = list(root_, "scenes");
+        const std::size_t scene = index(member(root_, "scene"), scenes.size()).value_or(0);
+        bool is_tree = scenes.empty() || reach(scenes[scene], "nodes", 0);
+        Bounds bounds{.is_exact = true};
+        while (is_tree && !waiting.empty()) {
             const auto [node, depth] = waiting.back();
             waiting.pop_back();
-            if (++visited > nodes_.size()) return unusable_surface(name_of(format_), "its nodes do not form a tree");
-            if (depth > kMaxDepth) return unusable_surface(name_of(format_), "its nodes are nested more than 500 deep");
-            if (!add(list(node, "children"), depth + 1))
-                return unusable_surface(name_of(format_), "a node refers to a child that does not exist");
-            if (const auto added = add_mesh(node, bounds); !added) return tl::unexpected(added.error());
+            is_tree = reach(nodes[node], "children", depth + 1);
+            if (const auto mesh = index(member(nodes[node], "mesh"), meshes.size())) add_mesh(meshes[*mesh], bounds);
         }
-        bounds.faces = bounds.triangles;
-        bounds.is_exact = true;
-        return bounds;
+        if (is_tree) return bounds;
+        return unusable_surface(name_of(format_), "its nodes do not form a tree with at most 500 levels");
+    }
+
+    /// Adds the pictures of materials to the header: their pixels, and the memory for reading them.
+    void add_pictures(std::size_t max_pixels, SurfaceHeader& header) const {
+        const auto textures = list(root_, "textures"), images = list(root_, "images");
+        std::vector<std::uint8_t> is_used(images.size(), 0);
+        for (const JsonValue material : list(root_, "materials")) {
+            const auto colour = member(member(material, "pbrMetallicRoughness"), "baseColorTexture");
+            const auto texture = index(member(colour, "index"), textures.size());
+            const auto image = texture ? index(member(textures[*texture], "source"), images.size()) : std::nullopt;
+            if (image) is_used[*image] = 1;
+        }
+        std::uint64_t largest = 0;
+        for (std::size_t i = 0; i < images.size(); ++i) {
+            if (is_used[i] == 0) continue;
+            const auto picture = read_image_header(bytes_of(images[i]), max_pixels);
+            if (!picture) continue;                // the decoder reports the error
+            constexpr std::uint64_t kPlanes = 16;  // bytes of a pixel
+            largest = std::max(largest, picture->decoder_bytes + kPlanes * picture->pixels());
+            header.texels += picture->pixels();
+        }
+        header.max_pixels = max_pixels;
+        header.texels = std::min<std::uint64_t>(header.texels, max_pixels);
+        header.decoder_bytes += largest + 2 * sizeof(TriangleSoup::texels[0]) * header.texels;
     }
 
 private:
     static constexpr int kMaxDepth = 500;  ///< the library recurses
-    static constexpr double kFloat = 5126;
+
+    static std::optional<JsonValue> member(std::optional<JsonValue> object, std::string_view name) {
+        return object && object->is_object() ? object->find(name) : std::nullopt;
+    }
 
     static std::vector<JsonValue> list(JsonValue object, std::string_view name) {
         std::vector<JsonValue> values;
-        const auto array = object.is_object() ? object.find(name) : std::nullopt;
+        const auto array = member(object, name);
         if (!array || !array->is_array()) return values;
         for (const JsonValue value : *array) values.push_back(value);
         return values;
     }
 
-    static std::optional<double> number(JsonValue object, std::string_view name) {
-        const auto value = object.is_object() ? object.find(name) : std::nullopt;
+    /// Reads an index or a size below a limit.
+    static std::optional<std::size_t> index(std::optional<JsonValue> value, std::size_t limit) {
         if (!value || !value->is_number()) return std::nullopt;
-        return value->number();
-    }
-
-    /// Returns the element that an index refers to; none if there is no such element.
-    static std::optional<JsonValue> element(const std::vector<JsonValue>& values, std::optional<JsonValue> index) {
-        if (!index || !index->is_number()) return std::nullopt;
-        const double number = index->number();
-        if (!(number >= 0 && number < static_cast<double>(values.size()))) return std::nullopt;
-        return values[static_cast<std::size_t>(number)];
+        const double number = value->number();
+        if (!(number >= 0 && number < static_cast<double>(limit))) return std::nullopt;
+        return static_cast<std::size_t>(number);
     }
 
     Result<void> check_contents() const {
-        const auto asset = root_.is_object() ? root_.find("asset") : std::nullopt;
-        const auto version = asset && asset->is_object() ? asset->find("version") : std::nullopt;
+        const auto version = member(member(root_, "asset"), "version");
         if (!version || !version->is_string() || !version->text().starts_with("2."))
             return unusable_surface(name_of(format_), "asset/version is not 2.x; only glTF 2 is supported");
         for (const JsonValue buffer : list(root_, "buffers")) {
-            const auto uri = buffer.is_object() ? buffer.find("uri") : std::nullopt;
+            const auto uri = member(buffer, "uri");
             if (uri && uri->is_string() && !uri->text().starts_with("data:"))
                 return unusable_surface(name_of(format_), "its data is in another file (" + uri->text().substr(0, 100) +
                                                               "); send a GLB, or embed the data");
@@ -315,63 +298,51 @@ private:
         return {};
     }
 
-    std::vector<JsonValue> roots() const {
-        const auto scenes = list(root_, "scenes");
-        const auto chosen = root_.find("scene");
-        if (const auto scene = element(scenes, chosen)) return list(*scene, "nodes");
-        return scenes.empty() ? std::vector<JsonValue>() : list(scenes.front(), "nodes");
-    }
-
-    Result<void> add_mesh(JsonValue node, Bounds& bounds) const {
-        const auto index = node.is_object() ? node.find("mesh") : std::nullopt;
-        if (!index) return {};
-        const auto mesh = element(meshes_, index);
-        if (!mesh) return unusable_surface(name_of(format_), "a node refers to a mesh that does not exist");
-        for (const JsonValue primitive : list(*mesh, "primitives")) {
-            if (!add_primitive(primitive, bounds))
-                return unusable_surface(name_of(format_),
-                                        "a mesh has no positions, or positions that are not of type FLOAT");
+    void add_mesh(JsonValue mesh, Bounds& bounds) const {
+        constexpr std::size_t kMost = std::size_t{1} << 32;
+        const auto accessors = list(root_, "accessors");
+        const auto count_of = [&](std::optional<JsonValue> accessor) -> std::optional<std::uint64_t> {
+            const auto found = index(accessor, accessors.size());
+            return found ? index(member(accessors[*found], "count"), kMost) : std::nullopt;
+        };
+        for (const JsonValue primitive : list(mesh, "primitives")) {
+            const std::uint64_t vertices = count_of(member(member(primitive, "attributes"), "POSITION")).value_or(0);
+            const std::uint64_t corners = count_of(member(primitive, "indices")).value_or(vertices);
+            const std::size_t mode = index(member(primitive, "mode"), kMost).value_or(4);
+            bounds.vertices += vertices;
+            const std::uint64_t triangles = mode > 4 ? triangles_of(corners, 1) : mode == 4 ? corners / 3 : 0;
+            bounds.triangles += triangles;
+            bounds.faces += triangles;
         }
-        return {};
     }
 
-    /// @returns  false if the primitive has no positions
-    bool add_primitive(JsonValue primitive, Bounds& bounds) const {
-        if (!primitive.is_object()) return false;
-        const auto attributes = primitive.find("attributes");
-        if (!attributes || !attributes->is_object()) return false;
-        const auto positions = element(accessors_, attributes->find("POSITION"));
-        if (!positions || number(*positions, "componentType") != kFloat) return false;
-        const auto indices = element(accessors_, primitive.find("indices"));
-        const std::uint64_t vertices = count_of(*positions);
-        const std::uint64_t corners = indices ? count_of(*indices) : vertices;
-        bounds.vertices += vertices;
-        const double mode = number(primitive, "mode").value_or(4);
-        if (mode == 4) bounds.triangles += corners / 3;
-        if (mode > 4) bounds.triangles += triangles_of(corners, 1);
-        return true;
-    }
-
-    static std::uint64_t count_of(JsonValue accessor) {
-        constexpr double kMost = 4'294'967'295;
-        const double count = number(accessor, "count").value_or(0);
-        return count > 0 ? static_cast<std::uint64_t>(std::min(count, kMost)) : 0;
+    /// Returns the bytes of an image; none if it is not in the file.
+    std::string bytes_of(JsonValue image) const {
+        const auto uri_of = [](JsonValue object) {
+            const auto uri = member(object, "uri");
+            std::string_view text = uri && uri->is_string() ? std::string_view(uri->text()) : std::string_view();
+            if (text.starts_with("data:")) take_until(text, ",");
+            return text;
+        };
+        if (const std::string_view text = uri_of(image); !text.empty()) return decode_base64(text).value_or("");
+        const auto views = list(root_, "bufferViews"), buffers = list(root_, "buffers");
+        const auto view = index(member(image, "bufferView"), views.size());
+        const auto buffer = view ? index(member(views[*view], "buffer"), buffers.size()) : std::nullopt;
+        if (!buffer) return {};
+        constexpr std::size_t kMost = std::size_t{1} << 32;
+        const std::size_t offset = index(member(views[*view], "byteOffset"), kMost).value_or(0);
+        const std::size_t length = index(member(views[*view], "byteLength"), kMost).value_or(0);
+        const std::string_view text = uri_of(buffers[*buffer]);
+        if (text.empty()) return std::string(binary_.substr(std::min(offset, binary_.size()), length));
+        const std::size_t begin = offset / 3 * 4, end = (offset + length + 2) / 3 * 4;
+        std::string bytes = decode_base64(text.substr(std::min(begin, text.size()), end - begin)).value_or("");
+        return bytes.substr(std::min(offset % 3, bytes.size()), length);
     }
 
     JsonValue root_;
+    std::string_view binary_;
     SurfaceFormat format_;
-    std::vector<JsonValue> nodes_;
-    std::vector<JsonValue> meshes_;
-    std::vector<JsonValue> accessors_;
 };
-
-Result<Bounds> bounds_of_gltf(std::string_view bytes, SurfaceFormat format) {
-    const auto json = json_of_gltf(bytes, format);
-    if (!json) return tl::unexpected(json.error());
-    const auto document = JsonDocument::parse(*json);
-    if (!document) return unusable_surface(name_of(format), document.error().message);
-    return Gltf(document->root(), format).bounds();
-}
 
 /// Whether a text is a JSON object with a member `asset` that is an object, as in a glTF.
 bool is_gltf(std::string_view text) {
@@ -388,23 +359,12 @@ bool is_gltf(std::string_view text) {
     return opening.starts_with(":{") && text.find("\"accessors\"") != std::string_view::npos;
 }
 
+/// Returns bounds of a file that is not a glTF.
 Result<Bounds> bounds_of(std::string_view bytes, SurfaceFormat format) {
-    switch (format) {
-        case SurfaceFormat::StlText:
-            return bounds_of_text_stl(bytes);
-        case SurfaceFormat::StlBinary:
-            return bounds_of_binary_stl(bytes);
-        case SurfaceFormat::Obj:
-            return bounds_of_obj(bytes);
-        case SurfaceFormat::Ply:
-            return bounds_of_ply(bytes);
-        case SurfaceFormat::Off:
-            return bounds_of_off(bytes);
-        case SurfaceFormat::Gltf:
-        case SurfaceFormat::Glb:
-            break;
-    }
-    return bounds_of_gltf(bytes, format);
+    if (format == SurfaceFormat::StlText) return bounds_of_text_stl(bytes);
+    if (format == SurfaceFormat::StlBinary) return bounds_of_binary_stl(bytes);
+    if (format == SurfaceFormat::Obj) return bounds_of_obj(bytes);
+    return format == SurfaceFormat::Ply ? bounds_of_ply(bytes) : bounds_of_off(bytes);
 }
 
 /// Returns the memory for reading a file: twice the memory measured with files of a million faces.
@@ -488,8 +448,10 @@ tl::unexpected<Error> too_many_faces(std::uint64_t max_faces) {
                    "the mesh has too many faces; this server's limit (max-faces) is " + std::to_string(max_faces));
 }
 
-Result<SurfaceHeader> read_surface_header(std::string_view bytes, SurfaceFormat format, std::size_t max_faces) {
-    const auto bounds = bounds_of(bytes, format);
+namespace {
+
+Result<SurfaceHeader> header_of(const Result<Bounds>& bounds, std::size_t file, SurfaceFormat format,
+                                std::size_t max_faces) {
     if (!bounds) return tl::unexpected(bounds.error());
     if (bounds->triangles == 0) return unusable_surface(name_of(format), "it has no triangles or polygons");
     // Vertices are limited, too, because a file with few faces may have any number of them.
@@ -497,7 +459,23 @@ Result<SurfaceHeader> read_surface_header(std::string_view bytes, SurfaceFormat 
     if (least > max_faces || bounds->vertices / 3 > max_faces) return too_many_faces(max_faces);
     SurfaceHeader header{format, bounds->faces, std::min<std::uint64_t>(bounds->triangles, max_faces),
                          bounds->vertices};
-    header.decoder_bytes = decoder_bytes_of(header, bytes.size());
+    header.decoder_bytes = decoder_bytes_of(header, file);
+    return header;
+}
+
+}  // namespace
+
+Result<SurfaceHeader> read_surface_header(std::string_view bytes, SurfaceFormat format, std::size_t max_faces,
+                                          std::size_t max_pixels) {
+    if (format != SurfaceFormat::Gltf && format != SurfaceFormat::Glb)
+        return header_of(bounds_of(bytes, format), bytes.size(), format, max_faces);
+    const auto parts = parts_of_gltf(bytes, format);
+    if (!parts) return tl::unexpected(parts.error());
+    const auto document = JsonDocument::parse(parts->json);
+    if (!document) return unusable_surface(name_of(format), document.error().message);
+    const Gltf gltf(document->root(), parts->binary, format);
+    auto header = header_of(gltf.bounds(), bytes.size(), format, max_faces);
+    if (header && max_pixels > 0) gltf.add_pictures(max_pixels, *header);
     return header;
 }
 

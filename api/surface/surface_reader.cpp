@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <exception>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -12,12 +14,14 @@
 #include <vector>
 
 #include <assimp/BaseImporter.h>
+#include <assimp/GltfMaterial.h>
 #include <assimp/importerdesc.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
 
+#include "api/image/srgb.h"
 #include "api/surface/off_header.h"
 #include "api/surface/surface_errors.h"
 #include "api/text/text.h"
@@ -30,6 +34,11 @@ namespace {
 constexpr unsigned kMaxCorners = 10'000;
 
 using Matrix = aiMatrix4x4t<double>;
+
+/// Returns the nearest number from 0 to 1; 0 for NaN.
+float share_of(float value) {
+    return value > 0 ? std::min(value, 1.0F) : 0;
+}
 
 bool is_gltf(SurfaceFormat format) {
     return format == SurfaceFormat::Gltf || format == SurfaceFormat::Glb;
@@ -121,43 +130,175 @@ std::vector<PlacedMesh> place_meshes(const aiScene& scene) {
     return placed;
 }
 
+/// Reads the base colours of the materials of a scene.
+class MaterialReader {
+public:
+    MaterialReader(const aiScene& scene, const SurfaceHeader& header, const DecodePicture& decode,
+                   SurfaceContents& contents)
+        : scene_(scene), header_(header), decode_(decode), contents_(contents), numbers_(scene.mNumMaterials, kNone) {
+        contents.soup.texels.reserve(static_cast<std::size_t>(header.texels));
+    }
+
+    /// Returns the index in TriangleSoup::materials of a material of the scene.
+    std::uint32_t number_of(unsigned material) {
+        std::uint32_t& number = numbers_[material];
+        if (number != kNone) return number;
+        number = static_cast<std::uint32_t>(contents_.soup.materials.size());
+        contents_.soup.materials.push_back(read(*scene_.mMaterials[material]));
+        return number;
+    }
+
+    /// Returns the set of texture coordinates that a material of the scene uses.
+    unsigned coordinates_of(unsigned material) const {
+        int set = 0;
+        scene_.mMaterials[material]->Get(AI_MATKEY_UVWSRC(kColour, 0), set);
+        return set > 0 && set < AI_MAX_NUMBER_OF_TEXTURECOORDS ? static_cast<unsigned>(set) : 0;
+    }
+
+private:
+    static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+    static constexpr aiTextureType kColour = aiTextureType_BASE_COLOR;
+
+    Material read(const aiMaterial& from) {
+        Material material;
+        if (aiColor4D factor; from.Get(AI_MATKEY_BASE_COLOR, factor) == aiReturn_SUCCESS)
+            material.factor = {share_of(factor.r), share_of(factor.g), share_of(factor.b), share_of(factor.a)};
+        aiString mode;
+        from.Get(AI_MATKEY_GLTF_ALPHAMODE, mode);
+        if (mode == aiString("MASK")) material.alpha = AlphaMode::Mask;
+        if (mode == aiString("BLEND")) material.alpha = AlphaMode::Blend;
+        from.Get(AI_MATKEY_GLTF_ALPHACUTOFF, material.cutoff);
+        aiString path;
+        if (from.GetTexture(kColour, 0, &path) != aiReturn_SUCCESS) return material;
+        for (std::size_t i = 0; i < 2; ++i) {
+            int wrap = aiTextureMapMode_Wrap;
+            from.Get(i == 0 ? "$tex.mapmodeu" : "$tex.mapmodev", kColour, 0, wrap);
+            if (wrap == aiTextureMapMode_Clamp) material.wrap[i] = Wrap::Clamp;
+            if (wrap == aiTextureMapMode_Mirror) material.wrap[i] = Wrap::Mirror;
+        }
+        if (aiUVTransform transform; from.Get(AI_MATKEY_UVTRANSFORM(kColour, 0), transform) == aiReturn_SUCCESS)
+            material.transform = matrix_of(transform);
+        if (const auto added = add_picture(path, material); !added && contents_.picture_error.empty())
+            contents_.picture_error = added.error().message;
+        return material;
+    }
+
+    /// Returns the matrix of a transformation, which the library has converted to coordinates with an upward axis.
+    static std::array<float, 6> matrix_of(const aiUVTransform& transform) {
+        const auto& [width, height] = transform.mScaling;
+        const float sine = std::sin(-transform.mRotation), cosine = std::cos(-transform.mRotation);
+        const float right = transform.mTranslation.x - width / 2 * (1 + sine - cosine);
+        const float down = height / 2 * (sine + cosine - 1) + 1 - height - transform.mTranslation.y;
+        return {cosine * width, sine * height, right, -sine * width, cosine * height, down};
+    }
+
+    /// Adds the picture of a material to the soup, unless it is there already.
+    Result<void> add_picture(const aiString& path, Material& material) {
+        const auto fail = [&](const std::string& reason) {
+            return failure(ErrorCode::Unusable,
+                           "the texture " + std::string(path.C_Str()).substr(0, 100) + ' ' + reason);
+        };
+        const aiTexture* const texture = path.C_Str()[0] == '*' ? scene_.GetEmbeddedTexture(path.C_Str()) : nullptr;
+        if (texture == nullptr) return fail("is in another file; embed it, for example in a GLB");
+        auto& texels = contents_.soup.texels;
+        auto [found, is_new] = pictures_.try_emplace(texture);
+        if (is_new && texture->mHeight == 0) {
+            const std::string_view bytes(reinterpret_cast<const char*>(texture->pcData), texture->mWidth);
+            const auto picture = decode_(bytes, static_cast<std::size_t>(header_.max_pixels));
+            if (!picture) return fail("cannot be read: " + picture.error().message);
+            const std::size_t pixels = picture->red.size();
+            if (pixels > header_.texels - texels.size())
+                return fail("cannot be read: all textures together exceed this server's limit (max-pixels), " +
+                            std::to_string(header_.max_pixels));
+            found->second = {texels.size(), static_cast<std::uint32_t>(picture->width),
+                             static_cast<std::uint32_t>(picture->height)};
+            for (std::size_t i = 0; i < pixels; ++i) {
+                const float alpha = picture->alpha.empty() ? 1 : share_of(picture->alpha[i]);
+                texels.push_back({srgb_of(picture->red[i]), srgb_of(picture->green[i]), srgb_of(picture->blue[i]),
+                                  static_cast<std::uint8_t>(std::lround(255 * alpha))});
+            }
+        }
+        material.first_texel = found->second.first;
+        material.width = found->second.width;
+        material.height = found->second.height;
+        return {};
+    }
+
+    static std::uint8_t srgb_of(float light) {
+        static const auto kValues = [] {
+            std::vector<std::uint8_t> values(1 << 16);  // enough to tell the darkest sRGB values apart
+            for (std::size_t i = 0; i < values.size(); ++i)
+                values[i] = to_srgb(static_cast<double>(i) / static_cast<double>(values.size() - 1));
+            return values;
+        }();
+        return kValues[static_cast<std::size_t>(std::lround(share_of(light) * static_cast<float>(kValues.size() - 1)))];
+    }
+
+    struct Place {
+        std::size_t first = 0;
+        std::uint32_t width = 0, height = 0;
+    };
+
+    const aiScene& scene_;
+    const SurfaceHeader& header_;
+    const DecodePicture& decode_;
+    SurfaceContents& contents_;
+    std::vector<std::uint32_t> numbers_;  ///< [materials of the scene]
+    std::map<const aiTexture*, Place> pictures_;
+};
+
 /// Joins meshes, whose faces are triangles, lines and points.
 class SoupBuilder {
 public:
-    SoupBuilder(SurfaceFormat format, std::span<const PlacedMesh> meshes) : format_(format) {
+    /// @param materials  reads the materials of the meshes; null: they have none
+    SoupBuilder(SurfaceFormat format, std::span<const PlacedMesh> meshes, MaterialReader* materials,
+                SurfaceContents& contents)
+        : format_(format), materials_(materials), contents_(contents) {
         std::size_t vertices = 0;
         std::size_t faces = 0;
         for (const PlacedMesh& placed : meshes) {
             vertices += placed.mesh->mNumVertices;
             faces += placed.mesh->mNumFaces;
             has_colours_ |= placed.mesh->HasVertexColors(0);
-            has_texture_ |= placed.mesh->HasTextureCoords(0);
+            has_texture_ |= placed.mesh->HasTextureCoords(coordinates_of(*placed.mesh));
         }
-        contents_.soup.vertices.reserve(vertices);
-        contents_.soup.triangles.reserve(faces);
-        if (has_colours_) contents_.soup.colours.reserve(vertices);
-        if (has_texture_) contents_.soup.texture.reserve(vertices);
+        TriangleSoup& soup = contents.soup;
+        soup.vertices.reserve(vertices);
+        soup.triangles.reserve(faces);
+        if (has_colours_) soup.colours.reserve(vertices);
+        if (has_texture_) soup.texture.reserve(vertices);
         for (const PlacedMesh& placed : meshes) append(placed);
+        if (std::ranges::all_of(soup.materials, is_plain)) {
+            soup.materials.clear();
+            soup.material_of.clear();
+        }
     }
 
-    SurfaceContents take() { return std::move(contents_); }
-
 private:
+    unsigned coordinates_of(const aiMesh& mesh) const {
+        return materials_ == nullptr ? 0 : materials_->coordinates_of(mesh.mMaterialIndex);
+    }
+
+    /// Whether a material is opaque and white.
+    static bool is_plain(const Material& material) {
+        return material.width == 0 && material.alpha == AlphaMode::Opaque && material.factor[0] >= 1 &&
+               material.factor[1] >= 1 && material.factor[2] >= 1;
+    }
+
     void append(const PlacedMesh& placed) {
         const aiMesh& mesh = *placed.mesh;
-        auto& [vertices, triangles, colours, texture] = contents_.soup;
-        const auto first = static_cast<std::uint32_t>(vertices.size());
+        TriangleSoup& soup = contents_.soup;
+        const auto first = static_cast<std::uint32_t>(soup.vertices.size());
+        const unsigned set = coordinates_of(mesh);
         for (const aiVector3D& v : std::span(mesh.mVertices, mesh.mNumVertices)) {
             const auto moved = placed.matrix * aiVector3t<double>(v.x, v.y, v.z);
-            vertices.push_back({moved.x, moved.y, moved.z});
+            soup.vertices.push_back({moved.x, moved.y, moved.z});
         }
-        if (has_colours_) {
-            for (unsigned i = 0; i < mesh.mNumVertices; ++i)
-                colours.push_back(mesh.HasVertexColors(0) ? light_of(mesh.mColors[0][i]) : kWhite);
-        }
-        if (has_texture_) {
-            for (unsigned i = 0; i < mesh.mNumVertices; ++i)
-                texture.push_back(mesh.HasTextureCoords(0) ? texture_of(mesh.mTextureCoords[0][i]) : Texture{});
+        for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+            if (has_colours_) soup.colours.push_back(mesh.HasVertexColors(0) ? light_of(mesh.mColors[0][i]) : kWhite);
+            if (has_texture_)
+                soup.texture.push_back(mesh.HasTextureCoords(set) ? texture_of(mesh.mTextureCoords[set][i])
+                                                                  : Texture{});
         }
         // A reflection would turn the triangles over.
         const bool is_reflected = placed.matrix.Determinant() < 0;
@@ -166,9 +307,11 @@ private:
                 ++contents_.ignored;
                 continue;
             }
-            triangles.push_back({first + face.mIndices[0], first + face.mIndices[1], first + face.mIndices[2]});
-            if (is_reflected) std::swap(triangles.back()[1], triangles.back()[2]);
+            soup.triangles.push_back({first + face.mIndices[0], first + face.mIndices[1], first + face.mIndices[2]});
+            if (is_reflected) std::swap(soup.triangles.back()[1], soup.triangles.back()[2]);
         }
+        if (materials_ != nullptr)
+            soup.material_of.resize(soup.triangles.size(), materials_->number_of(mesh.mMaterialIndex));
     }
 
     using Colour = std::array<float, 3>;
@@ -177,8 +320,7 @@ private:
 
     Colour light_of(const aiColor4D& colour) const {
         const auto light = [this](float value) {
-            const float share = value > 0 ? std::min(value, 1.0F) : 0;  // also if it is NaN
-            return is_gltf(format_) ? share : light_of_srgb(share);
+            return is_gltf(format_) ? share_of(value) : light_of_srgb(share_of(value));
         };
         return {light(colour.r), light(colour.g), light(colour.b)};
     }
@@ -188,9 +330,10 @@ private:
     }
 
     SurfaceFormat format_;
+    MaterialReader* materials_;
+    SurfaceContents& contents_;
     bool has_colours_ = false;
     bool has_texture_ = false;
-    SurfaceContents contents_;
 };
 
 /// Checks all indices and polygons, because further steps of the library do not. Also checks that the numbers of
@@ -233,7 +376,8 @@ bool has_polygons(std::span<const PlacedMesh> meshes) {
     });
 }
 
-Result<SurfaceContents> read_by_library(std::string_view bytes, const SurfaceHeader& header) {
+Result<SurfaceContents> read_by_library(std::string_view bytes, const SurfaceHeader& header,
+                                        const DecodePicture& decode) {
     Assimp::Importer importer;
     importer.SetIOHandler(new NoFiles);  // the importer owns it
     keep_reader(importer, header.format);
@@ -251,17 +395,22 @@ Result<SurfaceContents> read_by_library(std::string_view bytes, const SurfaceHea
             return unusable_surface(name_of(header.format), "its polygons cannot be divided into triangles");
         meshes = place_meshes(*scene);
     }
-    return SoupBuilder(header.format, meshes).take();
+    SurfaceContents contents;
+    const bool has_materials = is_gltf(header.format) && decode && header.max_pixels > 0;
+    MaterialReader materials(*scene, header, decode, contents);
+    SoupBuilder(header.format, meshes, has_materials ? &materials : nullptr, contents);
+    return contents;
 }
 
 }  // namespace
 
-Result<SurfaceContents> read_surface(std::string_view bytes, const SurfaceHeader& header) {
+Result<SurfaceContents> read_surface(std::string_view bytes, const SurfaceHeader& header, const DecodePicture& decode) {
     try {
-        if (header.format == SurfaceFormat::Obj) return read_by_library(without_groups(bytes), header);
+        if (header.format == SurfaceFormat::Obj) return read_by_library(without_groups(bytes), header, decode);
         if (header.format == SurfaceFormat::Off)
-            return ply_of_off(bytes).and_then([&](const std::string& ply) { return read_by_library(ply, header); });
-        return read_by_library(bytes, header);
+            return ply_of_off(bytes).and_then(
+                [&](const std::string& ply) { return read_by_library(ply, header, decode); });
+        return read_by_library(bytes, header, decode);
     } catch (const std::exception& error) {
         return unusable_surface(name_of(header.format), error.what());
     }

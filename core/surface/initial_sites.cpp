@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/random.h"
+#include "core/surface/face_pieces.h"
 
 namespace ccdt {
 
@@ -35,7 +36,8 @@ std::vector<std::uint32_t> faces_along_curve(const Surface& surface) {
     return order;
 }
 
-/// Draws points in faces by a low-discrepancy sequence, with rejection where the density varies within the face.
+/// Draws points in faces by a low-discrepancy sequence, with rejection where the density varies within the face. Faces
+/// that are divided into pieces get theirs by systematic sampling of the pieces.
 class FaceSampler {
 public:
     FaceSampler(const Surface& surface, const SurfaceDensity& density, std::uint64_t seed)
@@ -48,9 +50,9 @@ public:
         constexpr double kFirst = 0.7548776662466927, kSecond = 0.5698402909980532;
         constexpr int kAttempts = 64;  // per point, on average; after them, the density is ignored
         Random random(seed_, std::uint64_t{1} << 32 | face);
+        if (density_.side(face) > 1) return draw_in_pieces(face, count, random, points);
         double u = random.uniform(), v = random.uniform();
-        const double highest =
-            std::max({density_.at_corner(face, 0), density_.at_corner(face, 1), density_.at_corner(face, 2)});
+        const double highest = density_.largest(face);
         std::size_t attempts = kAttempts * count;
         for (std::size_t drawn = 0; drawn < count;) {
             u = wrap(u + kFirst);
@@ -67,6 +69,38 @@ public:
     }
 
 private:
+    struct Piece {
+        std::uint64_t key = 0;  ///< position of the centre along the space-filling curve
+        std::array<double, 3> centre{};
+    };
+
+    void draw_in_pieces(std::uint32_t face, std::size_t count, Random& random,
+                        std::vector<SurfacePoint>& points) const {
+        const std::uint32_t side = density_.side(face);
+        std::vector<Piece> pieces;
+        double total = 0;
+        for_face_pieces(side, [&](const std::array<double, 3>& centre) {
+            pieces.push_back({curve_position(surface_.place({face, centre})), centre});
+            total += density_.at({face, centre});
+        });
+        std::ranges::sort(pieces, {}, [](const Piece& piece) { return std::pair(piece.key, piece.centre); });
+        const double offset = random.uniform();
+        double sum = 0;
+        std::size_t drawn = 0;
+        for (const Piece& piece : pieces) {
+            sum += density_.at({face, piece.centre});
+            const bool is_last = &piece == &pieces.back();
+            const auto until =
+                is_last ? count : static_cast<std::size_t>(sum / total * static_cast<double>(count) + offset);
+            for (; drawn < std::min(until, count); ++drawn) {
+                // A point around the centre of the piece.
+                const double u = (random.uniform() - 0.5) / (3 * side), v = (random.uniform() - 0.5) / (3 * side);
+                const auto& [a, b, c] = piece.centre;
+                points.push_back({face, {a - u - v, b + u, c + v}});
+            }
+        }
+    }
+
     static double wrap(double value) { return value >= 1 ? value - 1 : value; }
 
     const Surface& surface_;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/surface/face_pieces.h"
+
 namespace ccdt {
 
 namespace {
@@ -17,18 +19,14 @@ SiteMasses::SiteMasses(const Surface& surface, const SurfaceDensity& density, do
     for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
         const double mass = density.mass(surface, f) / capacity;
         if (!(mass > 0)) continue;
-        const auto [a, b, c] = surface.places(f);
-        const auto side = static_cast<int>(std::clamp(std::ceil(std::sqrt(mass * kPiecesPerSite)), 1.0, kMaxSide));
+        const auto side = std::max(density.side(f), static_cast<std::uint32_t>(std::clamp(
+                                                        std::ceil(std::sqrt(mass * kPiecesPerSite)), 1.0, kMaxSide)));
         const double area = surface.area(f) / capacity / (static_cast<double>(side) * side);
-        // The face is divided into side^2 congruent triangles, in rows; every other triangle of a row is upside down.
-        for (int row = 0; row < side; ++row) {
-            for (int k = 0; k < 2 * (side - row) - 1; ++k) {
-                const double third = k % 2 == 0 ? 1.0 / 3 : 2.0 / 3;
-                const double u = (k / 2 + third) / side, v = (row + third) / side;
-                const SurfacePoint at{f, {1 - u - v, u, v}};
-                pieces_.push_back({(1 - u - v) * a + u * b + v * c, area * density.at(at), f, kNone});
-            }
-        }
+        for_face_pieces(side, [&](const std::array<double, 3>& weights) {
+            const SurfacePoint at{f, weights};
+            const double piece = area * density.at(at);
+            if (piece > 0) pieces_.push_back({surface.place(at), piece, f, kNone});
+        });
     }
 }
 

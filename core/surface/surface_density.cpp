@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/halftone/srgb.h"
+#include "core/surface/face_pieces.h"
 
 namespace ccdt {
 
@@ -105,7 +106,86 @@ private:
     std::vector<Link> links_;
 };
 
+/// Corners of the piece of a face that contains a point, and barycentric coordinates in the piece. Corners are numbered
+/// in rows from the first side of the face.
+struct InPiece {
+    std::array<std::size_t, 3> corners;
+    std::array<double, 3> weights;
+
+    InPiece(std::uint32_t side, const std::array<double, 3>& at) {
+        const std::size_t n = side;
+        const auto whole = [](double value, std::size_t most) {
+            return std::min(static_cast<std::size_t>(std::max(value, 0.0)), most);
+        };
+        const double along = at[1] * side, across = at[2] * side;
+        const std::size_t i = whole(along, n - 1), j = whole(across, n - 1 - i);
+        const double u = along - static_cast<double>(i), v = across - static_cast<double>(j);
+        const std::size_t corner = j * (2 * n + 3 - j) / 2 + i, above = corner + n + 1 - j;
+        const bool is_upside_down = u + v > 1 && i + j + 1 < n;
+        corners = {is_upside_down ? above + 1 : corner, corner + 1, above};
+        weights = is_upside_down ? std::array{u + v - 1, 1 - v, 1 - u} : std::array{1 - u - v, u, v};
+    }
+};
+
+double darkness_at(const Surface& surface, const TriangleSoup& soup, const SurfacePoint& point) {
+    const auto [red, green, blue, alpha] =
+        soup.colour_at(surface.triangle_of(point.face), surface.original_weights(point));
+    return std::clamp(1 - luminance_of<double>(red, green, blue), 0.0, 1.0) * std::clamp<double>(alpha, 0, 1);
+}
+
+double longest_side(const std::array<Point3, 3>& corners) {
+    const auto& [a, b, c] = corners;
+    return std::max({length(b - a), length(c - b), length(a - c)});
+}
+
+/// Chooses the number of pieces along the sides of each face.
+std::vector<std::uint32_t> choose_sides(const Surface& surface, const TriangleSoup& soup, double spacing) {
+    constexpr double kPiece = 0.5;     // side of a piece, relative to the spacing
+    constexpr double kMaxSide = 8192;  // pieces
+    constexpr double kPerSite = 64;    // pieces per site, on average, at most; thin faces need more than others
+    const double most =
+        static_cast<double>(surface.face_count()) + kPerSite * surface.total_area() / (spacing * spacing);
+    std::vector<std::uint32_t> sides(surface.face_count(), 1);
+    for (double piece = kPiece * spacing;; piece *= 2) {
+        double total = 0;
+        for (std::uint32_t f = 0; f < sides.size(); ++f) {
+            if (soup.has_picture(surface.triangle_of(f)))
+                sides[f] = static_cast<std::uint32_t>(
+                    std::clamp(std::ceil(longest_side(surface.places(f)) / piece), 1.0, kMaxSide));
+            total += static_cast<double>(sides[f]) * sides[f];
+        }
+        if (!(total > most)) return sides;
+    }
+}
+
+/// Returns the number of samples along each side of a piece, such that there are about as many as texels.
+std::uint32_t samples_per_side(const TriangleSoup& soup, std::uint32_t triangle, std::uint32_t side) {
+    constexpr double kFewest = 2, kMost = 4;
+    const auto place = [&](const std::array<double, 3>& weights) {
+        const auto [x, y] = soup.texel_at(triangle, weights);
+        return Point3{x, y, 0};
+    };
+    const double texels = longest_side({place({1, 0, 0}), place({0, 1, 0}), place({0, 0, 1})});
+    return static_cast<std::uint32_t>(std::max(kFewest, std::min(std::ceil(texels / side), kMost)));
+}
+
 }  // namespace
+
+double SurfaceDensity::at(const SurfacePoint& point) const {
+    if (values_.empty()) return 1;
+    const auto [first, side, mean] = grid(point.face);
+    const InPiece in(side, point.weights);
+    double value = 0;
+    for (std::size_t k = 0; k < 3; ++k) value += in.weights[k] * values_[first + in.corners[k]];
+    return value;
+}
+
+double SurfaceDensity::largest(std::uint32_t face) const {
+    if (values_.empty()) return 1;
+    const auto [first, side, mean] = grid(face);
+    const std::size_t count = (std::size_t{side} + 1) * (side + 2) / 2;
+    return *std::max_element(&values_[first], &values_[first] + count);
+}
 
 Result<SurfaceDensity> SurfaceDensity::of_soup(const Surface& surface, const TriangleSoup& soup,
                                                std::span<const double> values) {
@@ -143,14 +223,45 @@ Result<SurfaceDensity> SurfaceDensity::of_vertices(const Surface& surface, const
     return of_soup(surface, soup, values);
 }
 
-Result<SurfaceDensity> SurfaceDensity::of_colours(const Surface& surface, const TriangleSoup& soup) {
-    if (soup.colours.empty()) return failure(ErrorCode::Unusable, "the vertices have no colours", "density");
-    std::vector<double> values(soup.colours.size());
-    std::transform(soup.colours.begin(), soup.colours.end(), values.begin(), [](const std::array<float, 3>& colour) {
-        const auto [red, green, blue] = colour;
-        return std::clamp(1 - luminance_of<double>(red, green, blue), 0.0, 1.0);
-    });
-    return of_soup(surface, soup, values);
+Result<SurfaceDensity> SurfaceDensity::of_colours(const Surface& surface, const TriangleSoup& soup, double spacing) {
+    if (!soup.has_colours()) return failure(ErrorCode::Unusable, "the mesh has no colours", "density");
+    const auto sides = choose_sides(surface, soup, spacing);
+    SurfaceDensity density;
+    double total = 0;
+    std::vector<double> weights;  // of the samples around each corner of a piece
+    for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
+        const std::size_t first = density.values_.size(), side = sides[f], count = (side + 1) * (side + 2) / 2;
+        density.values_.resize(first + count, 0);
+        const std::span<double> values = std::span(density.values_).subspan(first);
+        if (soup.has_picture(surface.triangle_of(f))) {
+            weights.assign(count, 0);
+            const auto samples = samples_per_side(soup, surface.triangle_of(f), sides[f]);
+            for_face_pieces(sides[f] * samples, [&](const std::array<double, 3>& at) {
+                const double darkness = darkness_at(surface, soup, {f, at});
+                const InPiece in(sides[f], at);
+                for (std::size_t k = 0; k < 3; ++k) {
+                    values[in.corners[k]] += in.weights[k] * darkness;
+                    weights[in.corners[k]] += in.weights[k];
+                }
+            });
+            for (std::size_t i = 0; i < count; ++i) values[i] /= weights[i];
+        } else {
+            for (std::size_t k = 0; k < 3; ++k) {
+                SurfacePoint corner{f, {}};
+                corner.weights[k] = 1;
+                values[k] = darkness_at(surface, soup, corner);
+            }
+        }
+        double mean = 0;
+        for_face_pieces(sides[f], [&](const std::array<double, 3>& at) {
+            for (const std::size_t corner : InPiece(sides[f], at).corners)
+                mean += values[corner] / static_cast<double>(3 * side * side);
+        });
+        density.grids_.push_back({first, sides[f], mean});
+        total += density.mass(surface, f);
+    }
+    if (!(total > 0)) return failure(ErrorCode::Unusable, "the density is zero all over the surface", "density");
+    return density;
 }
 
 SurfaceDensity SurfaceDensity::of_curvature(const Surface& surface, double spacing, double contrast) {

@@ -9,7 +9,8 @@
 
 namespace ccdt {
 
-/// Wanted density of points on a surface, up to a factor. It is linear in each face.
+/// Wanted density of points on a surface, up to a factor. It is linear in each face, or in each piece of a face that a
+/// picture covers: such a face is divided into side^2 congruent triangles.
 class SurfaceDensity {
 public:
     static SurfaceDensity uniform() { return {}; }
@@ -21,9 +22,11 @@ public:
     static Result<SurfaceDensity> of_vertices(const Surface& surface, const TriangleSoup& soup,
                                               std::span<const double> values);
 
-    /// Density by the darkness of the vertex colours: 1 - luminance. Errors: Unusable if the soup has no colours or is
-    /// white everywhere.
-    static Result<SurfaceDensity> of_colours(const Surface& surface, const TriangleSoup& soup);
+    /// Density by darkness, (1 - luminance) * alpha, of the colours of vertices, materials and pictures.
+    /// @param spacing  mean distance of points, in the unit frame; detail of pictures at scales below about half of it
+    ///                 is averaged
+    /// Errors: Unusable if the soup has no colours or is white everywhere. O(faces + sites).
+    static Result<SurfaceDensity> of_colours(const Surface& surface, const TriangleSoup& soup, double spacing);
 
     /// Density by curvature, smoothed over a distance: bent regions get up to `contrast` times as many points per area
     /// as flat ones. With the principal curvatures k and l, the density is 1 + (contrast - 1) * c / (c + m), where
@@ -39,18 +42,21 @@ public:
     static SurfaceDensity of_curvature(const Surface& surface, double spacing, double contrast = 8);
 
     bool is_uniform() const { return values_.empty(); }
+    /// Number of pieces along each side of a face.
+    std::uint32_t side(std::uint32_t face) const { return grids_.empty() ? 1 : grids_[face].side; }
+    double at(const SurfacePoint& point) const;
     /// Density at a corner (0, 1 or 2) of a face.
     double at_corner(std::uint32_t face, std::uint32_t corner) const {
-        return values_.empty() ? 1 : values_[3 * std::size_t{face} + corner];
+        SurfacePoint point{face, {0, 0, 0}};
+        point.weights[corner] = 1;
+        return at(point);
     }
-    double at(const SurfacePoint& point) const {
-        if (values_.empty()) return 1;
-        const double* v = &values_[3 * std::size_t{point.face}];
-        return point.weights[0] * v[0] + point.weights[1] * v[1] + point.weights[2] * v[2];
-    }
+    /// Largest value in a face.
+    double largest(std::uint32_t face) const;
     /// Integral over a face.
     double mass(const Surface& surface, std::uint32_t face) const {
         if (values_.empty()) return surface.area(face);
+        if (!grids_.empty()) return surface.area(face) * grids_[face].mean;
         const double* v = &values_[3 * std::size_t{face}];
         return surface.area(face) * (v[0] + v[1] + v[2]) / 3;
     }
@@ -59,7 +65,18 @@ private:
     static Result<SurfaceDensity> of_soup(const Surface& surface, const TriangleSoup& soup,
                                           std::span<const double> values);
 
-    std::vector<double> values_;  ///< [faces][3] values at the corners; empty if the density is uniform
+    /// Values at the corners of the pieces of a face. The first ones are on the side from the first to the second
+    /// corner of the face.
+    struct Grid {
+        std::size_t first = 0;  ///< index in values_
+        std::uint32_t side = 1;
+        double mean = 0;  ///< of the density in the face
+    };
+
+    Grid grid(std::uint32_t face) const { return grids_.empty() ? Grid{3 * std::size_t{face}} : grids_[face]; }
+
+    std::vector<double> values_;  ///< at the corners of the faces or pieces; empty if the density is uniform
+    std::vector<Grid> grids_;     ///< [faces]; empty if no face is divided
 };
 
 }  // namespace ccdt

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "api/image/image_codec.h"
+#include "api/decode/decode.h"
 #include "server/decoder/decoder_client.h"
 #include "server/decoder/decoder_supervisor.h"
 

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "api/image/image_codec.h"
+#include "api/decode/decode.h"
 #include "server/compute/compute_protocol.h"
 #include "server/work/computation.h"
 

@@ -186,8 +186,9 @@ DecoderLimits decoder_limits(std::string_view file, std::size_t max_pixels) {
 DecoderLimits surface_limits(std::string_view file, const api::SurfaceHeader& header) {
     constexpr std::chrono::seconds kTime{10};
     constexpr std::size_t kBytesPerMillisecond = 4000;
-    const std::chrono::milliseconds for_bytes(file.size() / kBytesPerMillisecond);
-    return {static_cast<std::size_t>(header.decoder_bytes), kTime + std::chrono::ceil<std::chrono::seconds>(for_bytes)};
+    constexpr std::size_t kTexelsPerMillisecond = 2000;
+    const std::chrono::milliseconds more(file.size() / kBytesPerMillisecond + header.texels / kTexelsPerMillisecond);
+    return {static_cast<std::size_t>(header.decoder_bytes), kTime + std::chrono::ceil<std::chrono::seconds>(more)};
 }
 
 DecoderLimits shapefile_limits(std::size_t max_bytes) {

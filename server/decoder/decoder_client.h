@@ -11,7 +11,7 @@
 #include <string_view>
 #include <utility>
 
-#include "api/image/image_codec.h"
+#include "api/decode/decode.h"
 #include "api/map/shapefile_parts.h"
 #include "api/surface/surface_reader.h"
 #include "core/halftone/picture.h"

@@ -22,7 +22,7 @@ struct Decoder {
     using ToMap = std::function<Result<void>(std::string_view archive, const api::ShapefileReading& reading,
                                              const api::TakeText& take)>;
 
-    /// Signature of api::read_surface.
+    /// Signature of api::read_surface_with_pictures.
     using ToSurface =
         std::function<Result<api::SurfaceContents>(std::string_view file, const api::SurfaceHeader& header)>;
 

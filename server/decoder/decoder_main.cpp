@@ -3,10 +3,10 @@
 
 #include <fcntl.h>
 
+#include "api/decode/decode.h"
 #include "api/image/decoder_warm_up.h"
 #include "api/image/image_codec.h"
 #include "api/map/shapefile_reader.h"
-#include "api/surface/surface_reader.h"
 #include "server/decoder/decoder_helper.h"
 #include "server/processes/child_program.h"
 
@@ -19,5 +19,5 @@ int main() {
         return 2;
     }
     server::run_decoder_helper(std::move(orders), {api::decode_image, api::decode_colour_image, api::warm_up_decoder,
-                                                   api::read_shapefile, api::read_surface});
+                                                   api::read_shapefile, api::read_surface_with_pictures});
 }

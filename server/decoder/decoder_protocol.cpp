@@ -27,15 +27,15 @@ constexpr std::size_t kHeadSize = 4096;
 
 /// The beginning of a reply. The message and the field name of an error follow it.
 struct ReplyHead {
-    std::uint32_t is_product = 0;  ///< 1: picture, text or mesh; 0: error
-    std::uint32_t code = 0;        ///< for an error
-    std::uint64_t message_size = 0;
-    std::int32_t width = 0;  ///< for a picture, like `height` and `has_alpha`
+    std::uint32_t is_product = 0;    ///< 1: picture, text or mesh; 0: error
+    std::uint32_t code = 0;          ///< for an error
+    std::uint64_t message_size = 0;  ///< of an error, or of SurfaceContents::picture_error
+    std::int32_t width = 0;          ///< for a picture, like `height` and `has_alpha`
     std::int32_t height = 0;
     std::uint32_t has_alpha = 0;
     std::uint64_t field_size = 0;
     std::uint64_t text_size = 0;           ///< for a text
-    std::array<std::uint64_t, 4> sizes{};  ///< for a mesh: sizes of its arrays, as in arrays_of()
+    std::array<std::uint64_t, 7> sizes{};  ///< for a mesh: sizes of its arrays, as in arrays_of()
     std::uint64_t ignored = 0;             ///< for a mesh
 };
 static_assert(sizeof(ReplyHead) + kLongestMessage + kLongestField <= kHeadSize);
@@ -99,14 +99,27 @@ auto planes_of(AnyPicture& picture) {
 /// Arrays of a mesh, in the order in which a reply contains them.
 template <class Soup>
 auto arrays_of(Soup& soup) {
-    return std::tie(soup.vertices, soup.colours, soup.texture, soup.triangles);
+    return std::tie(soup.vertices, soup.colours, soup.texture, soup.triangles, soup.material_of, soup.materials,
+                    soup.texels);
+}
+
+/// Whether the values of a material are valid, and its picture lies within the texels of a mesh.
+bool is_valid(const Material& material, std::size_t texels) {
+    return material.wrap[0] <= Wrap::Mirror && material.wrap[1] <= Wrap::Mirror && material.alpha <= AlphaMode::Blend &&
+           std::ranges::all_of(material.factor, [](float share) { return share >= 0 && share <= 1; }) &&
+           material.first_texel <= texels &&
+           std::uint64_t{material.width} * material.height <= texels - material.first_texel &&
+           (material.width == 0) == (material.height == 0);
 }
 
 /// Whether the arrays of a mesh have matching sizes and all indices are valid.
 bool is_consistent(const TriangleSoup& soup) {
     const std::size_t vertices = soup.vertices.size();
-    const auto may_have = [vertices](const auto& array) { return array.empty() || array.size() == vertices; };
-    return may_have(soup.colours) && may_have(soup.texture) && !soup.triangles.empty() &&
+    const auto may_have = [](const auto& array, std::size_t size) { return array.empty() || array.size() == size; };
+    return may_have(soup.colours, vertices) && may_have(soup.texture, vertices) && !soup.triangles.empty() &&
+           soup.material_of.size() == (soup.materials.empty() ? 0 : soup.triangles.size()) &&
+           std::ranges::all_of(soup.material_of, [&](std::uint32_t i) { return i < soup.materials.size(); }) &&
+           std::ranges::all_of(soup.materials, [&](const Material& m) { return is_valid(m, soup.texels.size()); }) &&
            std::ranges::all_of(soup.triangles, [vertices](const std::array<std::uint32_t, 3>& corners) {
                return std::ranges::all_of(corners, [vertices](std::uint32_t corner) { return corner < vertices; });
            });
@@ -246,8 +259,11 @@ std::optional<Result<std::string>> ReplyText::read() const {
 std::size_t ReplySurface::max_bytes(const api::SurfaceHeader& header) {
     using Soup = TriangleSoup;
     constexpr std::size_t kVertex = sizeof(Soup::vertices[0]) + sizeof(Soup::colours[0]) + sizeof(Soup::texture[0]);
+    constexpr std::size_t kTriangle =
+        sizeof(Soup::triangles[0]) + sizeof(Soup::material_of[0]) + sizeof(Soup::materials[0]);
     return static_cast<std::size_t>(header.max_vertices) * kVertex +
-           static_cast<std::size_t>(header.max_triangles) * sizeof(Soup::triangles[0]);
+           static_cast<std::size_t>(header.max_triangles) * kTriangle +
+           static_cast<std::size_t>(header.texels) * sizeof(Soup::texels[0]);
 }
 
 UniqueFd ReplySurface::make_file(std::size_t max_bytes) {
@@ -278,6 +294,9 @@ bool ReplySurface::write(const Result<api::SurfaceContents>& result) {
         head.sizes =
             std::apply([](const auto&... array) { return std::array{std::uint64_t{array.size()}...}; }, arrays);
         head.ignored = result->ignored;
+        const auto reason = std::string_view(result->picture_error).substr(0, kLongestMessage);
+        head.message_size = reason.size();
+        std::memcpy(memory_.get() + sizeof(head), reason.data(), reason.size());
     } else {
         write_error(result.error(), head, memory_.get());
     }
@@ -291,6 +310,9 @@ std::optional<Result<api::SurfaceContents>> ReplySurface::read() const {
     if (head.is_product == 0) return read_error(head, memory_.get());
     api::SurfaceContents contents;
     contents.ignored = static_cast<std::size_t>(head.ignored);
+    if (head.message_size > kLongestMessage) return std::nullopt;
+    contents.picture_error.assign(reinterpret_cast<const char*>(memory_.get() + sizeof(head)),
+                                  static_cast<std::size_t>(head.message_size));
     std::size_t used = 0;
     const auto take = [&](auto& array, std::uint64_t size) {
         if (size > (max_bytes_ - used) / sizeof(array[0])) return false;

@@ -4,7 +4,7 @@
 #include <functional>
 #include <stop_token>
 
-#include "api/image/image_codec.h"
+#include "api/decode/decode.h"
 #include "api/output/body.h"
 #include "api/run/options.h"
 #include "core/ccdt/ccdt.h"

@@ -51,11 +51,11 @@ void check_product(const std::string& text) {
 
 /// Checks that the arrays of a mesh fit together. Coordinates are arbitrary.
 void check_product(const api::SurfaceContents& contents) {
-    const auto& [vertices, triangles, colours, texture] = contents.soup;
-    CCDT_CHECK(!triangles.empty());
-    CCDT_CHECK(colours.empty() || colours.size() == vertices.size());
-    CCDT_CHECK(texture.empty() || texture.size() == vertices.size());
-    for (const auto& triangle : triangles) CCDT_CHECK(std::ranges::max(triangle) < vertices.size());
+    const TriangleSoup& soup = contents.soup;
+    CCDT_CHECK(!soup.triangles.empty());
+    CCDT_CHECK(soup.colours.empty() || soup.colours.size() == soup.vertices.size());
+    CCDT_CHECK(soup.texture.empty() || soup.texture.size() == soup.vertices.size());
+    for (const auto& triangle : soup.triangles) CCDT_CHECK(std::ranges::max(triangle) < soup.vertices.size());
 }
 
 template <class Reply>

@@ -12,13 +12,13 @@ constexpr std::size_t kMaxFaces = 1000;
 
 /// Checks that a soup is consistent and within the bounds of its header.
 void check_contents(const api::SurfaceContents& contents, const api::SurfaceHeader& header) {
-    const auto& [vertices, triangles, colours, texture] = contents.soup;
-    CCDT_CHECK(!triangles.empty() && triangles.size() <= header.max_triangles);
-    CCDT_CHECK(vertices.size() <= header.max_vertices);
-    CCDT_CHECK(colours.empty() || colours.size() == vertices.size());
-    CCDT_CHECK(texture.empty() || texture.size() == vertices.size());
-    for (const auto& triangle : triangles) CCDT_CHECK(std::ranges::max(triangle) < vertices.size());
-    for (const auto& colour : colours) CCDT_CHECK(std::ranges::min(colour) >= 0 && std::ranges::max(colour) <= 1);
+    const TriangleSoup& soup = contents.soup;
+    CCDT_CHECK(!soup.triangles.empty() && soup.triangles.size() <= header.max_triangles);
+    CCDT_CHECK(soup.vertices.size() <= header.max_vertices);
+    CCDT_CHECK(soup.colours.empty() || soup.colours.size() == soup.vertices.size());
+    CCDT_CHECK(soup.texture.empty() || soup.texture.size() == soup.vertices.size());
+    for (const auto& triangle : soup.triangles) CCDT_CHECK(std::ranges::max(triangle) < soup.vertices.size());
+    for (const auto& colour : soup.colours) CCDT_CHECK(std::ranges::min(colour) >= 0 && std::ranges::max(colour) <= 1);
 }
 
 }  // namespace

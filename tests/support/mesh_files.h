@@ -62,4 +62,41 @@ inline std::string square_gltf(std::string_view nodes = R"([{"mesh":0}])", std::
            std::string(buffer) + "}]}";
 }
 
+/// Returns the JSON of a glTF with the square of square_gltf(), whose material has a picture as its colour. The texture
+/// coordinates are the positions, so the first row of the picture is at y = 0.
+/// @param image    members of the image
+/// @param sampler  members of the sampler
+/// @param colour   further members of the texture reference
+/// @param rest     further members of the material
+inline std::string textured_gltf(std::string_view image, std::string_view sampler = "", std::string_view colour = "",
+                                 std::string_view rest = "") {
+    std::string json = square_gltf();
+    const auto insert = [&json](std::string_view before, const std::string& text) {
+        json.insert(json.find(before), text);
+    };
+    insert("},\"indices\"", R"(,"TEXCOORD_0":2)");
+    insert("}]}],\"accessors\"", R"(,"material":0)");
+    insert("],\"bufferViews\"", R"(,{"bufferView":2,"componentType":5126,"count":4,"type":"VEC2"})");
+    insert("],\"buffers\"", R"(,{"buffer":0,"byteOffset":60,"byteLength":32})");
+    json.pop_back();
+    return json +
+           R"(,"extensionsUsed":["KHR_texture_transform"],"materials":[{"pbrMetallicRoughness":{"baseColorTexture":{"index":0)" +
+           std::string(colour) + "}}" + std::string(rest) +
+           R"(}],"textures":[{"source":0,"sampler":0}],"samplers":[{)" + std::string(sampler) + R"(}],"images":[{)" +
+           std::string(image) + "}]}";
+}
+
+/// Returns a GLB of textured_gltf() that contains the picture. The parameters are those of textured_gltf().
+/// @param picture  file of the picture
+inline std::string textured_glb(const std::string& picture, std::string_view sampler = "", std::string_view colour = "",
+                                std::string_view rest = "") {
+    std::string json = textured_gltf(R"("bufferView":3,"mimeType":"image/png")", sampler, colour, rest);
+    std::string buffer = square_buffer();
+    for (const float value : {0.F, 0.F, 1.F, 0.F, 1.F, 1.F, 0.F, 1.F}) append_bytes(buffer, value);
+    const std::string size = std::to_string(picture.size());
+    json.insert(json.find("],\"buffers\""), R"(,{"buffer":0,"byteOffset":92,"byteLength":)" + size + '}');
+    json.replace(json.find("\"byteLength\":60}"), 15, "\"byteLength\":" + std::to_string(92 + picture.size()));
+    return glb(json, buffer + picture);
+}
+
 }  // namespace ccdt

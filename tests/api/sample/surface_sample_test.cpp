@@ -6,12 +6,16 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "api/image/png_writer.h"
+#include "api/image/srgb.h"
 #include "api/operation/parsed_request.h"
 #include "api/sample/surface_parser.h"
+#include "tests/support/mesh_files.h"
 #include "tests/support/surfaces.h"
 
 namespace ccdt::api {
@@ -125,6 +129,90 @@ TEST(SampleRequest, RecognisesMeshes) {
     const auto many = parse_sample_request(file, {{"sites", "4"}}, "", {.max_faces = 0});
     ASSERT_FALSE(many);
     EXPECT_EQ(many.error().code, ErrorCode::LimitExceeded);
+}
+
+/// Answers a request for points on a mesh file.
+Json sampled(const std::string& file, std::vector<TextOption> options, std::string* error = nullptr) {
+    Timings timings;
+    const auto result = parse_sample_request(file, options, "", {}).and_then([&](const ParsedPointer& request) {
+        return request->run(decode_inline(), {}, timings, nullptr);
+    });
+    if (error != nullptr) *error = result ? "" : result.error().message;
+    return error != nullptr && !result ? Json() : json_of(result);
+}
+
+/// Returns a PNG of a checker board in black and white.
+/// @param cells  number of cells in each direction
+std::string checker_png(int cells) {
+    constexpr int kCell = 8;  // pixels
+    std::vector<std::uint16_t> values;
+    for (int i = 0; i < cells * kCell * cells * kCell; ++i)
+        values.push_back((i / kCell + i / (cells * kCell * kCell)) % 2 == 0 ? 0 : 255);
+    return *write_greys(values, cells * kCell, cells * kCell, 8);
+}
+
+/// Returns the share of points for which a function of their coordinates is true.
+template <class Test>
+double share_of(const Json& json, Test test) {
+    double count = 0;
+    for (const auto& p : json.at("points"))
+        count += test(p.at(0).template get<double>(), p.at(1).template get<double>()) ? 1 : 0;
+    return count / static_cast<double>(json.at("points").size());
+}
+
+TEST(SurfaceSample, FollowsAPictureInsideFaces) {
+    const Json json = sampled(textured_glb(checker_png(4)), {{"sites", "2000"}, {"density", "color"}});
+    // Between cells, the picture is interpolated linearly in light over the width of a pixel, so the border belongs to
+    // both sides.
+    const auto is_dark = [](double x, double y) {
+        return (static_cast<int>(4 * x) + static_cast<int>(4 * y)) % 2 == 0;
+    };
+    EXPECT_GT(share_of(json, is_dark), 0.96);
+    EXPECT_NEAR(share_of(json, [](double x, double) { return x < 0.5; }), 0.5, 0.01);
+    double dark = 0;
+    for (const auto& colour : json.at("colors")) dark += colour.at(0).get<int>() < 128 ? 1 : 0;
+    EXPECT_GT(dark, 0.9 * 2000);
+    EXPECT_EQ(json.at("faces").size(), 2000U);
+}
+
+TEST(SurfaceSample, PlacesPointsInProportionToTheDarknessOfAPicture) {
+    std::vector<std::uint16_t> ramp(128);
+    std::iota(ramp.begin(), ramp.end(), std::uint16_t{128});
+    const Json json = sampled(textured_glb(*write_greys(ramp, 128, 1, 8), R"("wrapS":33071)"),
+                              {{"sites", "2000"}, {"density", "color"}});
+    const auto mass_until = [](int end) {
+        double mass = 0;
+        for (int x = 0; x < end; ++x) mass += 1 - to_linear(static_cast<unsigned char>(128 + x));
+        return mass;
+    };
+    for (const int x : {16, 32, 64, 96})
+        EXPECT_NEAR(share_of(json, [&](double at, double) { return at < x / 128.0; }), mass_until(x) / mass_until(128),
+                    0.01);
+}
+
+TEST(SurfaceSample, RepeatsAPicture) {
+    const std::string twice = R"(,"extensions":{"KHR_texture_transform":{"scale":[2,2]}})";
+    const Json json = sampled(textured_glb(checker_png(2), "", twice), {{"sites", "1000"}, {"density", "color"}});
+    EXPECT_GT(
+        share_of(json, [](double x, double y) { return (static_cast<int>(4 * x) + static_cast<int>(4 * y)) % 2 == 0; }),
+        0.94);
+}
+
+TEST(SurfaceSample, SaysWhyAMeshHasNoColours) {
+    std::string error;
+    const std::vector<TextOption> options = {{"sites", "10"}, {"density", "color"}};
+    sampled("mtllib house.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", options, &error);
+    EXPECT_EQ(error,
+              "the mesh has no colours: its materials are in another file (house.mtl); send a GLB, which holds "
+              "its textures");
+    const std::string linked = glb(textured_gltf(R"("uri":"wood.png")"), square_buffer() + std::string(32, '\0'));
+    sampled(linked, options, &error);
+    EXPECT_EQ(error,
+              "the mesh has no colours: the texture wood.png is in another file; embed it, for example in a GLB");
+    sampled(textured_glb("broken"), options, &error);
+    EXPECT_NE(error.find("the texture *0 cannot be read"), std::string::npos) << error;
+    const Json json = sampled(linked, {{"sites", "10"}});
+    EXPECT_NE(json.at("warnings").dump().find("wood.png"), std::string::npos);
 }
 
 }  // namespace

@@ -13,7 +13,11 @@
 #include <string>
 #include <vector>
 
-#include "api/text/base64.h"
+#include "api/decode/decode.h"
+#include "api/image/image_codec.h"
+#include "api/image/png_writer.h"
+#include "api/image/srgb.h"
+#include "tests/api/files.h"
 #include "tests/support/mesh_files.h"
 
 namespace ccdt::api {
@@ -22,11 +26,11 @@ namespace {
 using Triangle = std::array<std::uint32_t, 3>;
 using Triangles = std::vector<Triangle>;
 
-Result<SurfaceContents> read(std::string_view bytes) {
+Result<SurfaceContents> read(std::string_view bytes, std::size_t max_pixels = 10'000) {
     const auto format = recognise_surface(bytes);
     if (!format) return failure(ErrorCode::Unsupported, "not recognised");
-    return read_surface_header(bytes, *format, 100'000).and_then([&](const SurfaceHeader& header) {
-        return read_surface(bytes, header);
+    return read_surface_header(bytes, *format, 100'000, max_pixels).and_then([&](const SurfaceHeader& header) {
+        return read_surface_with_pictures(bytes, header);
     });
 }
 
@@ -199,6 +203,99 @@ TEST(SurfaceReader, KeepsLinearColoursAndTextureCoordinatesOfGltf) {
     ASSERT_EQ(contents->soup.texture.size(), 4U);
     EXPECT_EQ(contents->soup.colours[3], (std::array<float, 3>{0.5F, 0.25F, 1.0F}));
     EXPECT_EQ(contents->soup.texture[3], (std::array<float, 2>{0.25F, 0.75F}));
+}
+
+/// Returns a PNG with rows of the given grey values.
+std::string grey_png(const std::vector<std::uint16_t>& values, int width) {
+    return *write_greys(values, width, static_cast<int>(values.size()) / width, 8);
+}
+
+std::vector<std::uint8_t> reds_of(const TriangleSoup& soup) {
+    std::vector<std::uint8_t> reds;
+    for (const auto& texel : soup.texels) reds.push_back(texel[0]);
+    return reds;
+}
+
+TEST(SurfaceReader, ReadsEmbeddedPictures) {
+    const std::string png = grey_png({1, 2, 128, 253, 254, 255}, 3);
+    std::string buffer = square_buffer() + std::string(32, '\0');
+    const std::string uri = R"("uri":"data:image/png;base64,)" + base64(png) + '"';
+    std::string json = textured_gltf(uri);
+    json.replace(json.find("\"byteLength\":60"), 15,
+                 R"("byteLength":92,"uri":"data:application/octet-stream;base64,)" + base64(buffer) + '"');
+    // The picture is in a buffer that is encoded in base64, at an offset that is not a multiple of 3.
+    std::string in_buffer = textured_gltf(R"("bufferView":3,"mimeType":"image/png")");
+    buffer += png;
+    in_buffer.insert(in_buffer.find("],\"buffers\""),
+                     R"(,{"buffer":0,"byteOffset":92,"byteLength":)" + std::to_string(png.size()) + '}');
+    in_buffer.replace(in_buffer.find("\"byteLength\":60"), 15,
+                      "\"byteLength\":" + std::to_string(buffer.size()) +
+                          R"(,"uri":"data:application/octet-stream;base64,)" + base64(buffer) + '"');
+    for (const std::string& file : {textured_glb(png), json, in_buffer}) {
+        const auto contents = read(file);
+        ASSERT_TRUE(contents) << contents.error().message;
+        const TriangleSoup& soup = contents->soup;
+        EXPECT_EQ(contents->picture_error, "");
+        ASSERT_EQ(soup.materials.size(), 1U);
+        EXPECT_EQ(soup.material_of, (std::vector<std::uint32_t>{0, 0}));
+        EXPECT_EQ(soup.materials[0].width, 3U);
+        EXPECT_EQ(soup.materials[0].height, 2U);
+        EXPECT_EQ(soup.materials[0].wrap, (std::array{Wrap::Repeat, Wrap::Repeat}));
+        EXPECT_EQ(reds_of(soup), (std::vector<std::uint8_t>{1, 2, 128, 253, 254, 255}));
+    }
+    const auto header = *read_surface_header(in_buffer, SurfaceFormat::Gltf, 100, 100);
+    EXPECT_EQ(header.texels, 6U);
+    EXPECT_TRUE(read(textured_glb(png), 0)->soup.materials.empty());
+}
+
+TEST(SurfaceReader, DecodesPicturesLikeOtherImages) {
+    const std::string jpeg = fixture("grey.jpg");
+    const auto picture = *decode_colour_image(jpeg, 10'000);
+    const auto contents = read(textured_glb(jpeg));
+    ASSERT_TRUE(contents) << contents.error().message;
+    const auto reds = reds_of(contents->soup);
+    ASSERT_EQ(reds.size(), picture.red.size());
+    for (std::size_t i = 0; i < reds.size(); ++i) ASSERT_EQ(reds[i], to_srgb(static_cast<double>(picture.red[i]))) << i;
+}
+
+TEST(SurfaceReader, ReadsTheRestOfAMaterial) {
+    // Wrapping modes, a quarter turn, and a factor.
+    const auto contents = read(textured_glb(
+        grey_png({0, 64, 128, 255}, 2), R"("wrapS":33071,"wrapT":33648)",
+        R"(,"extensions":{"KHR_texture_transform":{"offset":[0.25,0.5],"rotation":1.5707963,"scale":[2,3]}})",
+        R"(,"alphaMode":"MASK","alphaCutoff":0.25)"));
+    ASSERT_TRUE(contents) << contents.error().message;
+    const Material& material = contents->soup.materials.at(0);
+    EXPECT_EQ(material.wrap, (std::array{Wrap::Clamp, Wrap::Mirror}));
+    EXPECT_EQ(material.alpha, AlphaMode::Mask);
+    EXPECT_EQ(material.cutoff, 0.25F);
+    // (s, t) -> (3 t + 0.25, -2 s + 0.5), by the specification of the extension.
+    const std::array<float, 6> expected{0, 3, 0.25F, -2, 0, 0.5F};
+    for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(material.transform[i], expected[i], 1e-5) << i;
+
+    std::string json = square_gltf();
+    json.insert(json.find("}]}],\"accessors\""), R"(,"material":0)");
+    json.insert(json.size() - 1, R"(,"materials":[{"pbrMetallicRoughness":{"baseColorFactor":[0.25,0.5,2,0.5]}}])");
+    const auto plain = read(glb(json, square_buffer()));
+    ASSERT_TRUE(plain) << plain.error().message;
+    EXPECT_EQ(plain->soup.materials.at(0).factor, (std::array{0.25F, 0.5F, 1.0F, 0.5F}));
+    EXPECT_FALSE(read(glb(square_gltf(), square_buffer()))->soup.has_colours());
+}
+
+TEST(SurfaceReader, ReportsPicturesThatCannotBeRead) {
+    const auto error = [](const std::string& file, std::size_t max_pixels = 100) {
+        const auto contents = read(file, max_pixels);
+        EXPECT_TRUE(contents) << contents.error().message;
+        return contents ? contents->picture_error : "";
+    };
+    const std::string png = grey_png({0, 64, 128, 255}, 2);
+    EXPECT_EQ(error(textured_glb(png.substr(0, png.size() - 20))),
+              "the texture *0 cannot be read: the image is broken or truncated");
+    EXPECT_EQ(error(textured_glb("no picture")).substr(0, 31), "the texture *0 cannot be read: ");
+    EXPECT_EQ(error(textured_glb(png), 3),
+              "the texture *0 cannot be read: the image has 2 x 2 pixels; this server's limit (max-pixels) is 3");
+    EXPECT_EQ(error(glb(textured_gltf(R"("uri":"wood%20planks.png")"), square_buffer() + std::string(32, '\0'))),
+              "the texture wood%20planks.png is in another file; embed it, for example in a GLB");
 }
 
 TEST(SurfaceReader, ReadsTextureCoordinatesOfObj) {

@@ -69,14 +69,14 @@ TEST(SurfaceDensity, RejectsUnusableValues) {
     EXPECT_EQ(error({1, 1, 1, std::numeric_limits<double>::quiet_NaN()}).field, "density/3");
     EXPECT_EQ(error({1, std::numeric_limits<double>::infinity(), 1, 1}).field, "density/1");
     EXPECT_EQ(error({0, 0, 0, 0}).code, ErrorCode::Unusable);
-    EXPECT_EQ(SurfaceDensity::of_colours(surface, soup).error().code, ErrorCode::Unusable);
+    EXPECT_EQ(SurfaceDensity::of_colours(surface, soup, 0.1).error().code, ErrorCode::Unusable);
 }
 
 TEST(SurfaceDensity, FollowsTheDarknessOfColours) {
     TriangleSoup soup = test::square_surface(1);
     soup.colours = {{0, 0, 0}, {0.5, 0.5, 0.5}, {1, 1, 1}, {0, 1, 0}};
     const Surface surface = made(soup);
-    const auto density = SurfaceDensity::of_colours(surface, soup);
+    const auto density = SurfaceDensity::of_colours(surface, soup, 0.1);
     ASSERT_TRUE(density);
     for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
         for (std::uint32_t k = 0; k < 3; ++k) {
@@ -86,7 +86,94 @@ TEST(SurfaceDensity, FollowsTheDarknessOfColours) {
         }
     }
     soup.colours.assign(4, {1, 1, 1});
-    EXPECT_EQ(SurfaceDensity::of_colours(surface, soup).error().code, ErrorCode::Unusable);
+    EXPECT_EQ(SurfaceDensity::of_colours(surface, soup, 0.1).error().code, ErrorCode::Unusable);
+}
+
+/// Adds a picture of dark and light squares, `cells` in each direction, to a soup. The dark ones have the darkness
+/// `dark`, and the upper left one is dark.
+void add_checker(TriangleSoup& soup, std::uint32_t cells, std::uint32_t texels_per_cell, Material material = {}) {
+    material.width = material.height = cells * texels_per_cell;
+    for (std::uint32_t y = 0; y < material.height; ++y) {
+        for (std::uint32_t x = 0; x < material.width; ++x) {
+            const bool is_dark = (x / texels_per_cell + y / texels_per_cell) % 2 == 0;
+            const auto value = static_cast<std::uint8_t>(is_dark ? 0 : 255);
+            soup.texels.push_back({value, value, value, 255});
+        }
+    }
+    for (const Point3& p : soup.vertices) soup.texture.push_back({static_cast<float>(p.x), static_cast<float>(p.y)});
+    soup.materials = {material};
+    soup.material_of.assign(soup.triangles.size(), 0);
+}
+
+TEST(SurfaceDensity, FollowsAPictureWithinFaces) {
+    TriangleSoup soup = test::square_surface(1);
+    add_checker(soup, 4, 16);
+    std::swap(soup.triangles[1][0], soup.triangles[1][1]);
+    const Surface surface = made(soup);
+    const auto density = SurfaceDensity::of_colours(surface, soup, 0.01);
+    ASSERT_TRUE(density) << density.error().message;
+    EXPECT_NEAR(total_mass(surface, *density), 0.5, 2e-3);
+    for (int i = 0; i < 16; ++i) {
+        const double x = (i % 4 + 0.5) / 4, y = (i / 4 + 0.4) / 4;
+        const SurfacePoint at = surface.nearest(surface.from_input({x, y, 0}));
+        EXPECT_NEAR(density->at(at), (i % 4 + i / 4) % 2 == 0 ? 1 : 0, 1e-6) << i;
+    }
+    EXPECT_EQ(density->largest(0), 1);
+}
+
+TEST(SurfaceDensity, AveragesDetailBelowTheSpacing) {
+    TriangleSoup soup = test::square_surface(1);
+    add_checker(soup, 128, 2);
+    const Surface surface = made(soup);
+    const auto density = SurfaceDensity::of_colours(surface, soup, 0.2);
+    ASSERT_TRUE(density);
+    EXPECT_NEAR(density->at(surface.nearest(surface.from_input({0.3, 0.4, 0}))), 0.5, 0.1);
+}
+
+TEST(SurfaceDensity, MultipliesColoursOfVerticesMaterialsAndPictures) {
+    TriangleSoup soup = test::square_surface(1);
+    Material material;
+    material.factor = {0.5F, 0.5F, 0.5F, 0.25F};
+    material.alpha = AlphaMode::Blend;
+    add_checker(soup, 1, 1, material);
+    soup.texels[0] = {255, 255, 255, 128};
+    soup.colours.assign(4, {0.5F, 0.5F, 0.5F});
+    const auto colour = soup.colour_at(0, {0.2, 0.3, 0.5});
+    EXPECT_FLOAT_EQ(colour[0], 0.25F);
+    EXPECT_NEAR(colour[3], 0.125, 1e-3);
+    soup.materials[0].alpha = AlphaMode::Mask;
+    EXPECT_EQ(soup.colour_at(0, {0.2, 0.3, 0.5})[3], 0);
+    const Surface surface = made(soup);
+    EXPECT_EQ(SurfaceDensity::of_colours(surface, soup, 0.1).error().code, ErrorCode::Unusable);
+    soup.materials[0].alpha = AlphaMode::Opaque;
+    EXPECT_NEAR(total_mass(surface, *SurfaceDensity::of_colours(surface, soup, 0.1)), 0.75, 1e-6);
+}
+
+TEST(SurfaceDensity, WrapsPictureCoordinates) {
+    TriangleSoup soup = test::square_surface(1);
+    add_checker(soup, 2, 1);
+    const auto at = [&](Wrap wrap, float s, float t) {
+        soup.materials[0].wrap = {wrap, wrap};
+        soup.texture.assign(soup.vertices.size(), {s, t});
+        return soup.colour_at(0, {1, 0, 0})[0];
+    };
+    // The centres of the texels of the upper row are at 0.25, which is dark, and 0.75.
+    for (const float turns : {-4.0F, 0.0F, 2.0F, 1e6F}) {
+        EXPECT_EQ(at(Wrap::Repeat, turns + 0.25F, 0.25F), 0) << turns;
+        EXPECT_EQ(at(Wrap::Mirror, turns + 0.25F, 0.25F), 0) << turns;
+        EXPECT_EQ(at(Wrap::Repeat, turns + 1.25F, 0.25F), 0) << turns;
+        EXPECT_EQ(at(Wrap::Mirror, turns + 1.25F, 0.25F), 1) << turns;
+    }
+    EXPECT_EQ(at(Wrap::Repeat, 0, 0.25F), 0.5F);
+    EXPECT_EQ(at(Wrap::Mirror, 0, 0.25F), 0);
+    EXPECT_EQ(at(Wrap::Mirror, 1, 0.25F), 1);
+    EXPECT_EQ(at(Wrap::Clamp, -5, 0.25F), 0);
+    EXPECT_EQ(at(Wrap::Clamp, 1e30F, 0.25F), 1);
+    for (const Wrap wrap : {Wrap::Repeat, Wrap::Clamp, Wrap::Mirror}) {
+        const float none = std::numeric_limits<float>::quiet_NaN();
+        for (const float s : {none, 1e38F, -1e38F, std::numeric_limits<float>::infinity()})
+            EXPECT_TRUE(at(wrap, s, s) >= 0 && at(wrap, s, s) <= 1);
+    }
 }
 
 TEST(SurfaceDensity, IsUniformOnPlanesAndSpheres) {

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace ccdt {
+
+/// Calls use(centre) for each of the side^2 congruent triangles into which a face can be divided, in rows.
+/// @tparam Use  function of the barycentric coordinates of the triangle's centre
+template <class Use>
+void for_face_pieces(std::uint32_t side, Use use) {
+    for (std::uint32_t row = 0; row < side; ++row) {
+        // Every other triangle of a row is upside down.
+        for (std::uint32_t k = 0; k < 2 * (side - row) - 1; ++k) {
+            const double third = k % 2 == 0 ? 1.0 / 3 : 2.0 / 3;
+            const double u = (k / 2 + third) / side, v = (row + third) / side;
+            use(std::array{1 - u - v, u, v});
+        }
+    }
+}
+
+}  // namespace ccdt
