@@ -28,7 +28,7 @@ constexpr std::size_t kStlFacet = 50;  ///< bytes
 std::uint64_t number_at(std::string_view bytes, std::size_t at) {
     std::array<std::uint8_t, 4> raw{};
     std::memcpy(raw.data(), bytes.data() + at, raw.size());
-    return raw[0] | raw[1] << 8 | raw[2] << 16 | std::uint64_t{raw[3]} << 24;
+    return raw[0] | std::uint64_t{raw[1]} << 8 | std::uint64_t{raw[2]} << 16 | std::uint64_t{raw[3]} << 24;
 }
 
 /// Counts the words of a text, which blanks separate.

@@ -141,7 +141,8 @@ bool SitePolish::is_any_nearer(double least) {
     std::vector<Found> found((sites + kSites - 1) / kSites);
     for_ranges(mesh_.executor(), sites, kSites, [&](std::size_t begin, std::size_t end) {
         std::vector<std::uint32_t> joined;
-        auto& [near_joined, near_facing] = found[begin / kSites];
+        Found& near = found[begin / kSites];
+        auto &near_joined = near.joined, &near_facing = near.facing;
         for (auto v = static_cast<std::uint32_t>(begin); v < end && !stop_.stop_requested(); ++v) {
             const std::size_t most = near_facing.size() + kMostFacing;
             joined.clear();
