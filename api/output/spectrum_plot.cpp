@@ -36,6 +36,11 @@ std::string decimal(double value) {
     return {digits, std::to_chars(digits, digits + sizeof digits, std::round(value * 1e6) / 1e6 + 0.0).ptr};
 }
 
+/// Formats a share as a percentage with one decimal.
+std::string percent(double share) {
+    return decimal(std::round(1000 * share) / 10);
+}
+
 /// Formats an integer with commas between groups of thousands.
 std::string grouped(std::size_t number) {
     std::string text = std::to_string(number);
@@ -198,7 +203,7 @@ void draw_panels(SvgDrawing& svg, const Analysis& analysis, std::span<const Poin
         const Point corner = kPoints.min + Point{slab % 2 * kStep.x, slab / 2 * kStep.y};
         draw_points(svg, inside, {sides.x, sides.y}, analysis.unit, {corner, corner + kPanel}, kMaxShown / kSlabs,
                     [&](const Box& frame, std::size_t) {
-                        draw_caption(svg, frame, 16, decimal(low) + " to " + decimal(high) + " of the depth");
+                        draw_caption(svg, frame, 16, percent(low) + " to " + percent(high) + " % of the depth");
                     });
     }
     draw_caption(svg, kPoints, 44, caption_of(analysis));

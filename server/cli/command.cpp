@@ -46,7 +46,7 @@ constexpr auto kSampleExamples = std::to_array<std::string_view>({
 constexpr auto kAnalyzeExamples = std::to_array<std::string_view>({
     "ccdt analyze points.csv -o spectrum.svg",
     R"(ccdt analyze points.npy --domain '{"type":"rectangle","width":4,"height":3}')",
-    R"(ccdt analyze space.npy --domain '{"type":"torus","width":1,"height":1,"depth":1}')",
+    R"(ccdt analyze space.ply --domain '{"type":"torus","width":1,"height":1,"depth":1}')",
 });
 
 const std::array kCommands = {

@@ -63,7 +63,7 @@ test("offers the options and formats of points in space", async () => {
   await page.fill("#sample [data-name=volume] input >> nth=2", "0.5");
   await page.locator("#sample [data-name=volume] input").nth(2).blur();
   await settled(page, "sample");
-  assert.equal(await page.evaluate(() => location.hash), "#sample?shape=box&volume=1,1,0.5&sites=300");
+  assert.equal(await page.evaluate(() => location.hash), "#sample?shape=box&volume=1%2C1%2C0.5&sites=300");
   const { points } = JSON.parse(await readFile(await (await download(page, "sample", "JSON")).path()));
   assert.equal(points.length, 300);
   assert.ok(points.every(([, , z]) => z > 0 && z < 0.5));

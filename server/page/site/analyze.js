@@ -20,8 +20,8 @@ const whitest = 2.5;  // power at and above which pixels are white
  * returns the file of the mesh instead of a domain.
  */
 function windowOf({ points, shape, outline, places }) {
-  if (shape.file?.mesh) return { points, mesh: shape.file.mesh };
   if (shape.domain) return { points, domain: shape.domain };
+  if (shape.file?.mesh) return { points, mesh: shape.file.mesh };
   const { x, y, side } = largestSquare(outline.rings);
   const inside = places.map(([px, py]) => [px - x, py - y])
     .filter(([px, py]) => px >= 0 && py >= 0 && px <= side && py <= side);

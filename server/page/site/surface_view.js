@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A surface with points on it, which the user can turn, move and zoom by mouse, touch, keys and buttons. The page loads
-// this module only when it shows a surface.
+// A surface with points on it, or points in space, which the user can turn, move and zoom by mouse, touch, keys and
+// buttons. The page loads this module only when it shows one of them.
 
 import { colour } from "./dom.js";
 import { CanvasPainter } from "./surface_canvas.js";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Draws a surface with its points by WebGL 2.
+// Draws a surface with its points, or points in space, by WebGL 2.
 
 const surfaceVertex = `#version 300 es
 uniform mat3 turn;

@@ -252,7 +252,7 @@ TEST(Analyze, MeasuresAndDrawsPointsInSpace) {
     const auto plot = answer(body, "image/svg+xml");
     ASSERT_TRUE(plot) << plot.error().message;
     EXPECT_EQ(count(plot->body, "h0"), 64U) << "four layers of points, one in each slab";
-    for (const auto* words : {"64 points", "0.25 to 0.5 of the depth", "Slice of the power spectrum", "volume"})
+    for (const auto* words : {"64 points", "25 to 50 % of the depth", "Slice of the power spectrum", "volume"})
         EXPECT_NE(plot->body.find(words), std::string::npos) << words;
 }
 
