@@ -68,9 +68,6 @@ private:
             case Operation::Sample:
                 return api::parse_sample_request(body_, options_, request_.accept, limits_);
             case Operation::Analyze:
-                if (!options_.empty())
-                    raise(FailureCode::Malformed, "the options of an analysis are members of the JSON body",
-                          options_.front().name);
                 return api::parse_analyze_request(body_, options_, request_.accept, limits_);
         }
         raise(FailureCode::Malformed, "operation is not one of the enumerators", "operation");

@@ -157,7 +157,8 @@ Result<ParsedPointer> parse_analyze_request(std::string_view body, const std::ve
     if (auto file = find_surface(body, media_type, limits.max_faces, 0))
         return pack(parse_surface_analyze(*std::move(file), options, accept, limits), limits);
     if (!options.empty())
-        return failure(ErrorCode::Malformed, "the body is not a mesh, so the options must be members of its JSON");
+        return failure(ErrorCode::Malformed, "the body is not a mesh, so the options must be members of its JSON",
+                       options.front().name);
     return pack(parse_analyze(body, accept, limits), limits);
 }
 

@@ -183,11 +183,11 @@ struct GltfParts {
 Result<GltfParts> parts_of_gltf(std::string_view bytes, SurfaceFormat format) {
     if (format == SurfaceFormat::Gltf) return GltfParts{bytes, {}};
     constexpr std::size_t kHead = 20, kChunkHead = 8;  // the first one includes the head of the first chunk
-    if (bytes.size() < kHead || number_at(bytes, 8) > bytes.size() || number_at(bytes, 12) > bytes.size() - kHead)
-        return unusable_surface(name_of(format), "it is truncated");
-    if (number_at(bytes, 4) != 2)
+    if (bytes.size() >= kHead && number_at(bytes, 4) != 2)
         return unusable_surface(
             name_of(format), "its version is " + std::to_string(number_at(bytes, 4)) + "; only version 2 is supported");
+    if (bytes.size() < kHead || number_at(bytes, 8) > bytes.size() || number_at(bytes, 12) > bytes.size() - kHead)
+        return unusable_surface(name_of(format), "it is truncated");
     const auto size = static_cast<std::size_t>(number_at(bytes, 12));
     const std::string_view rest = bytes.substr(kHead + size);
     return GltfParts{trim(bytes.substr(kHead, size), std::string_view(" \0", 2)),

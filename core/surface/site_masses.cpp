@@ -19,8 +19,10 @@ SiteMasses::SiteMasses(const Surface& surface, const SurfaceDensity& density, do
     for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
         const double mass = density.mass(surface, f) / capacity;
         if (!(mass > 0)) continue;
-        const auto side = std::max(density.side(f), static_cast<std::uint32_t>(std::clamp(
-                                                        std::ceil(std::sqrt(mass * kPiecesPerSite)), 1.0, kMaxSide)));
+        // In a face that follows a picture, the pieces are small enough where the density is highest.
+        const double most = density.side(f) > 1 ? density.largest(f) * surface.area(f) / capacity : mass;
+        const auto side =
+            static_cast<std::uint32_t>(std::clamp(std::ceil(std::sqrt(most * kPiecesPerSite)), 1.0, kMaxSide));
         const double area = surface.area(f) / capacity / (static_cast<double>(side) * side);
         for_face_pieces(side, [&](const std::array<double, 3>& weights) {
             const SurfacePoint at{f, weights};
@@ -50,7 +52,6 @@ void SiteMasses::find_first(const SurfaceTriangulation& mesh) {
         }
     }
     for (Piece& piece : pieces_) piece.triangle = near[piece.face];
-    is_located_ = true;
 }
 
 /// Walks to the triangle above a piece. Returns the shares of its corners.
@@ -81,9 +82,13 @@ std::vector<double> SiteMasses::measure(const SurfaceTriangulation& mesh) {
     std::vector<std::array<double, 3>> shares(pieces_.size());
     for_ranges(mesh.executor(), pieces_.size(), kPieces, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            if (pieces_[i].triangle != kNone) shares[i] = locate(mesh, pieces_[i]);
+            if (pieces_[i].triangle == kNone) continue;
+            if (!is_located_ && i > begin && pieces_[i].face == pieces_[i - 1].face)
+                pieces_[i].triangle = pieces_[i - 1].triangle;  // a large face may have many sites
+            shares[i] = locate(mesh, pieces_[i]);
         }
     });
+    is_located_ = true;
     std::vector<double> masses(mesh.vertex_count(), 0);
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
         if (pieces_[i].triangle == kNone) continue;

@@ -65,8 +65,10 @@ std::array<float, 4> TriangleSoup::colour_at(std::uint32_t triangle, const std::
         };
         const auto a = light(x.first, y.first), b = light(x.second, y.first);
         const auto c = light(x.first, y.second), d = light(x.second, y.second);
-        for (std::size_t k = 0; k < colour.size(); ++k)
-            colour[k] *= std::lerp(std::lerp(a[k], b[k], x.share), std::lerp(c[k], d[k], x.share), y.share);
+        for (std::size_t k = 0; k < colour.size(); ++k) {
+            const float above = a[k] + x.share * (b[k] - a[k]), below = c[k] + x.share * (d[k] - c[k]);
+            colour[k] *= above + y.share * (below - above);
+        }
     }
     if (material.alpha == AlphaMode::Opaque) colour[3] = 1;
     if (material.alpha == AlphaMode::Mask) colour[3] = colour[3] >= material.cutoff ? 1 : 0;

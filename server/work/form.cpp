@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "api/surface/surface_header.h"
 #include "server/http/http.h"
 
 namespace ccdt::server {
@@ -45,7 +46,11 @@ Result<std::vector<FormPart>> find_fields(const ComputeRequest& request) {
     auto fields = parse_multipart(request.body, request.content_type);
     if (!fields) return failure(ErrorCode::Malformed, std::move(fields.error().error.message));
     for (FormPart& field : *fields) {
-        if (field.name == "mesh" && field.is_file) field.name = kFile;
+        if (field.name != "mesh" || !field.is_file) continue;
+        if (!api::recognise_surface(field.content(request.body)))
+            return failure(ErrorCode::Unsupported,
+                           "the file is no mesh of a known format: STL, OBJ, PLY, OFF, glTF or GLB", field.name);
+        field.name = kFile;
     }
     return *std::move(fields);
 }

@@ -29,7 +29,8 @@ bool is_zip(std::string_view type) {
 /// Whether a body of this content type may be JSON: the type is JSON, or a default of client programs.
 bool may_hold_json(std::string_view type) {
     constexpr auto kUnspecific = std::to_array<std::string_view>(
-        {"", "text/plain", "application/octet-stream", "application/x-www-form-urlencoded"});
+        {"", "text/plain", "application/octet-stream", "application/x-www-form-urlencoded",
+         "application/x-tgif"});  // Chromium on Linux sends the last one for OBJ
     return is_json(type) || std::ranges::find(kUnspecific, type) != kUnspecific.end();
 }
 

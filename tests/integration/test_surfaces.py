@@ -218,7 +218,7 @@ class Requests(SurfaceCase):
     def test_may_be_bodies_or_forms(self):
         body = HOUSE.read_bytes()
         expected = self.post("sites=60&seed=3&format=csv", body).body
-        for kind in ("model/obj", "application/octet-stream", "text/plain"):
+        for kind in ("model/obj", "application/octet-stream", "application/x-tgif", "text/plain"):
             answer = self.post("sites=60&seed=3&format=csv", body, "-H", f"Content-Type: {kind}")
             self.assertEqual((kind, answer.body), (kind, expected))
         for part in ("file", "mesh", "map"):

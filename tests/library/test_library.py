@@ -379,7 +379,7 @@ class Case(unittest.TestCase):
              f"{UNAVAILABLE} output: /dev/full cannot be written: No space left"),
             (("sample", picture, folder / "dots.csv", "sites", "9"), f"{MALFORMED} "),
             (("sample", POLYGONS / "two-countries.zip", kept, "sites", "9", "object", "none"), f"{UNUSABLE} object: "),
-            (("analyze", picture, folder / "plot.svg", "sites", "9"), f"{MALFORMED} sites: the options of an analysis"),
+            (("analyze", picture, folder / "plot.svg", "sites", "9"), f"{MALFORMED} sites: the body is not a mesh"),
         )
         for arguments, text in cases:
             with self.subTest(text=text):

@@ -37,7 +37,8 @@ struct Option {
     std::string value;
 };
 
-/// Limits on requests. A message that calls a limit max-sites or max-pixels means these.
+/// Limits on requests. A message that calls a limit max-sites or max-pixels means these. The limit max-faces is always
+/// 4,000,000 triangles.
 struct Limits {
     std::size_t max_sites = 2'000'000;    ///< maximum number of points
     std::size_t max_pixels = 64'000'000;  ///< maximum number of pixels of a picture and of an answer
@@ -75,7 +76,8 @@ CCDT_EXPORT Answer answer(const Request& request, const Control& control = {});
 /// Answers a request whose body is a file, and writes the body of the answer to another file.
 ///
 /// @param operation  kind of the request
-/// @param input      file with a picture or JSON for Halftone; a map, a mesh or JSON for Sample; JSON for Analyze
+/// @param input      file with a picture or JSON for Halftone; a map, a mesh or JSON for Sample; a mesh or
+///                   JSON for Analyze
 /// @param output     file to be written or replaced. Its suffix selects the format, unless the option or the member
 ///                   `format` is given. The file appears when it is complete; after an error it is unchanged.
 /// @returns          the answer, whose body has been moved to the file

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "api/image/png_writer.h"
 #include "api/text/base64.h"
 #include "tests/support/mesh_files.h"
 
@@ -110,15 +111,13 @@ TEST(SurfaceHeader, RefusesCountsThatTheFileCannotHold) {
     std::string stl = binary_stl(std::vector<float>(9));
     stl.resize(stl.size() - 1);
     EXPECT_EQ(read_surface_header(stl, SurfaceFormat::StlBinary, kMaxFaces).error().message,
-              "STL file cannot be read: its header promises 1 facets in 134 bytes, but the file has 133");
+              "STL file cannot be read: its header promises at least 134 numbers or bytes, but the file has 133");
     EXPECT_FALSE(read_surface_header("", SurfaceFormat::StlBinary, kMaxFaces));
     expect_refused(ply_with("element vertex 4294967295\nproperty float x\nelement face 4294967295\n"
                             "property list uchar int vertex_indices\n",
                             "0 0 0\n"),
-                   "promises at least 8589934590 numbers, but the file has 3");
-    expect_refused(ply_with("element vertex 4294967296\n"), "line 3 of its header does not give a number of elements");
-    expect_refused(ply_with("element vertex 1\nproperty text x\n"), "line 4 of its header does not declare");
-    expect_refused(ply_with("property float x\n"), "line 3 of its header does not declare");
+                   "promises at least 8589934590 numbers or bytes, but the file has 3");
+    expect_refused(ply_with("element vertex 4294967296\n"), "its header lacks a number of elements below 4294967296");
     expect_refused("ply\nformat ascii 1.0\n", "its header has no end");
     expect_refused("OFF 4294967295 4294967295 0\n0 0 0\n", "promises at least 17179869180 numbers");
     expect_refused("OFF\nBINARY\n", "does not begin with OFF and the numbers");
@@ -148,8 +147,8 @@ TEST(SurfaceHeader, RefusesDamagedGltfFiles) {
     std::string version = square_gltf();
     version.replace(version.find("2.0"), 3, "1.0");
     expect_refused(version, "only glTF 2 is supported");
-    expect_refused(square_gltf(R"([{"mesh":1}])"), "refers to a mesh that does not exist");
-    expect_refused(square_gltf(R"([{"children":[7]}])"), "refers to a child that does not exist");
+    expect_refused(square_gltf(R"([{"mesh":1}])"), "it has no triangles");
+    expect_refused(square_gltf(R"([{"children":[7]}])"), "its nodes do not form a tree");
     expect_refused(square_gltf(R"([{"children":[0]}])"), "its nodes do not form a tree");
     expect_refused(square_gltf(R"([{"mesh":0},{"mesh":0})"), "not valid JSON");
 }
@@ -160,13 +159,29 @@ TEST(SurfaceHeader, RefusesNodesThatAreSharedOrDeeplyNested) {
     expect_refused(square_gltf(nodes + R"({"mesh":0}])"), "its nodes do not form a tree");
     std::string chain = "[";
     for (int i = 1; i < 600; ++i) chain += R"({"children":[)" + std::to_string(i) + "]},";
-    expect_refused(square_gltf(chain + R"({"mesh":0}])"), "nested more than 500 deep");
+    expect_refused(square_gltf(chain + R"({"mesh":0}])"), "with at most 500 levels");
 }
 
 TEST(SurfaceHeader, RefusesAccessorsThatNeedTooMuchMemory) {
     std::string json = square_gltf();
     json.replace(json.find(R"("count":4,)"), 10, R"("count":4000000000,)");
     expect_refused(json, "max-faces", ErrorCode::LimitExceeded);
+}
+
+TEST(SurfaceHeader, CountsThePixelsOfPictures) {
+    const std::string png = *write_greys(std::vector<std::uint16_t>(6), 3, 2, 8);
+    const std::string file = textured_glb(png);
+    const auto header = *read_surface_header(file, SurfaceFormat::Glb, kMaxFaces, 100);
+    EXPECT_EQ(header.texels, 6U);
+    EXPECT_EQ(header.max_pixels, 100U);
+    EXPECT_GT(header.decoder_bytes, header_of(file)->decoder_bytes);
+    EXPECT_EQ(header_of(file)->texels, 0U);
+    EXPECT_EQ(read_surface_header(file, SurfaceFormat::Glb, kMaxFaces, 5)->texels, 0U);  // cannot be read
+    for (std::size_t size = 28; size < file.size(); ++size)
+        EXPECT_FALSE(read_surface_header(file.substr(0, size), SurfaceFormat::Glb, kMaxFaces, 100)) << size;
+    const std::string broken = textured_gltf(R"("bufferView":1e9)"), far = textured_gltf(R"("bufferView":0)");
+    for (const std::string& json : {broken, far})
+        EXPECT_EQ(read_surface_header(glb(json, "x"), SurfaceFormat::Glb, kMaxFaces, 100)->texels, 0U);
 }
 
 TEST(SurfaceHeader, RefusesDataInOtherFilesAndUnsupportedExtensions) {

@@ -14,6 +14,7 @@
 #include <future>
 #include <initializer_list>
 #include <iterator>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <stdexcept>
@@ -27,6 +28,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "api/decode/decode.h"
 #include "api/image/decoder_warm_up.h"
 #include "api/image/image_codec.h"
 #include "server/decoder/decoder_client.h"
@@ -136,7 +138,7 @@ Result<void> obey_as_map(std::string_view file, const api::ShapefileReading& rea
     return failure(ErrorCode::LimitExceeded, std::to_string(reading.max_bytes));
 }
 
-/// Replaces api::read_surface. The content of a file determines the reply.
+/// Replaces api::read_surface_with_pictures. The content of a file determines the reply.
 Result<api::SurfaceContents> obey_as_surface(std::string_view file, const api::SurfaceHeader& header) {
     if (file == "crash") std::abort();
     if (file == "eat") eat_memory();
@@ -152,6 +154,19 @@ Result<api::SurfaceContents> obey_as_surface(std::string_view file, const api::S
     if (file == "few texture") contents.soup.texture = {{1, 0}};
     if (file == "index") contents.soup.triangles = {{0, 1, 3}};
     if (file == "empty") contents.soup.triangles.clear();
+    if (file.starts_with("material")) {
+        contents.soup.materials = {{.first_texel = 1, .width = 2, .height = 1, .wrap = {Wrap::Clamp, Wrap::Mirror}}};
+        contents.soup.material_of = {0};
+        contents.soup.texels.resize(3, {1, 2, 3, 4});
+        contents.picture_error = "broken";
+    }
+    if (file == "material: index") contents.soup.material_of = {1};
+    if (file == "material: few indices") contents.soup.material_of = {};
+    if (file == "material: texels") contents.soup.materials[0].first_texel = 2;
+    if (file == "material: many texels") contents.soup.materials[0].width = 0xffffffff;
+    if (file == "material: height") contents.soup.materials[0].height = 0;
+    if (file == "material: wrap") contents.soup.materials[0].wrap[1] = static_cast<Wrap>(3);
+    if (file == "material: factor") contents.soup.materials[0].factor[0] = std::numeric_limits<float>::quiet_NaN();
     if (file == "many") contents.soup.triangles.resize(static_cast<std::size_t>(100 * header.max_triangles));
     return contents;
 }
@@ -687,6 +702,12 @@ TEST(DecoderSupervisor, TransfersMeshes) {
     EXPECT_EQ(coloured->soup.colours, (std::vector<std::array<float, 3>>{{1, 0, 0}, {0, 1, 0}, {0, 0, 0.5F}}));
     EXPECT_EQ(coloured->soup.texture, (std::vector<std::array<float, 2>>{{0, 0}, {1, 0}, {0, 0.25F}}));
     EXPECT_EQ(coloured->ignored, 7U);
+    const auto pictured = supervisor.read_surface("material", kMeshes);
+    ASSERT_TRUE(pictured) << pictured.error().message;
+    EXPECT_EQ(pictured->soup.materials.at(0).wrap[1], Wrap::Mirror);
+    EXPECT_EQ(pictured->soup.material_of, std::vector<std::uint32_t>{0});
+    EXPECT_EQ(pictured->soup.texels, (std::vector<std::array<std::uint8_t, 4>>(3, {1, 2, 3, 4})));
+    EXPECT_EQ(pictured->picture_error, "broken");
     EXPECT_EQ(supervisor.read_surface("refuse", kMeshes).error().message, "refused");
     EXPECT_EQ(supervisor.deaths(), 0U);
 }
@@ -694,7 +715,9 @@ TEST(DecoderSupervisor, TransfersMeshes) {
 TEST(DecoderSupervisor, RejectsInvalidMeshes) {
     BoxOfTests supervisor(forking({obey, obey_in_colour, {}, {}, obey_as_surface}), limits_of_tests);
     std::uint64_t deaths = 0;
-    for (const char* file : {"few colours", "few texture", "index", "empty", "many", "crash", "eat"}) {
+    for (const char* file : {"few colours", "few texture", "index", "empty", "many", "material: index",
+                             "material: few indices", "material: texels", "material: many texels", "material: height",
+                             "material: wrap", "material: factor", "crash", "eat"}) {
         if (!Sandbox::kIsWhole && file == std::string_view("eat")) continue;
         const auto contents = supervisor.read_surface(file, kMeshes);
         ASSERT_FALSE(contents) << file;
@@ -709,19 +732,24 @@ TEST(DecoderSupervisor, RejectsInvalidMeshes) {
 std::string describe_reading(BoxOfTests& supervisor, std::string_view bytes, std::size_t max_faces) {
     const auto format = api::recognise_surface(bytes);
     if (!format) return "not recognised";
-    const auto contents = api::read_surface_header(bytes, *format, max_faces).and_then([&](const auto& header) {
-        return supervisor.read_surface(bytes, header);
-    });
-    return contents ? "" : contents.error().message;
+    const auto contents =
+        api::read_surface_header(bytes, *format, max_faces, kMaxPixels).and_then([&](const auto& header) {
+            return supervisor.read_surface(bytes, header);
+        });
+    return contents ? contents->picture_error : contents.error().message;
 }
 
 TEST(DecoderSupervisor, ReadsMeshesInTheSandbox) {
     BoxOfTests supervisor(
-        forking({api::decode_image, api::decode_colour_image, api::warm_up_decoder, {}, api::read_surface}),
+        forking(
+            {api::decode_image, api::decode_colour_image, api::warm_up_decoder, {}, api::read_surface_with_pictures}),
         decoder_limits);
     const std::string stl = binary_stl(std::vector<float>(9 * 100'000, 0.5F));
-    const std::string files[] = {stl, "OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
-                                 "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", glb(square_gltf(), square_buffer()),
+    const std::string files[] = {stl,
+                                 "OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+                                 "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+                                 glb(square_gltf(), square_buffer()),
+                                 textured_glb(bytes_at(std::filesystem::path(CCDT_API_TEST_DATA) / "grey.jpg")),
                                  "mtllib /etc/passwd\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3 4\n"};
     for (const std::string& file : files)
         EXPECT_EQ(describe_reading(supervisor, file, 100'000), "") << file.substr(0, 20);
@@ -745,13 +773,14 @@ TEST(DecoderSupervisor, ReadsOrRefusesTheModelsOfAssimp) {
     const std::filesystem::path folder = "/usr/share/assimp/models";
     if (!std::filesystem::exists(folder)) GTEST_SKIP() << "the package assimp-testmodels is not installed";
     BoxOfTests supervisor(
-        forking({api::decode_image, api::decode_colour_image, api::warm_up_decoder, {}, api::read_surface}),
+        forking(
+            {api::decode_image, api::decode_colour_image, api::warm_up_decoder, {}, api::read_surface_with_pictures}),
         decoder_limits);
     // Reasons for which files of the package may be refused.
     constexpr auto kReasons = std::to_array<std::string_view>(
         {"not recognised", "its data is in another file", "only version 2 is supported", "only glTF 2 is supported",
          "it has no triangles", "promises at least", "does not begin with OFF and the numbers", "Invalid face index",
-         "TEXCOORD_1", "not valid JSON", "faces are damaged"});
+         "TEXCOORD_1", "is in another file", "not valid JSON", "faces are damaged"});
     std::size_t read = 0;
     for (const auto& path : mesh_files(folder)) {
         const std::string reason = describe_reading(supervisor, bytes_at(path), 1'000'000);

@@ -41,6 +41,17 @@ TEST(Form, IsSplitIntoAPictureAndAQuery) {
     EXPECT_EQ(taken_apart(form_of({{"file", picture}}))->body, picture);
 }
 
+TEST(Form, NamesTheFormatsOfMeshes) {
+    ComputeRequest request{"/sample", "", "multipart/form-data; boundary=b", "", {}};
+    request.body =
+        "--b\r\nContent-Disposition: form-data; name=\"mesh\"; filename=\"a.fbx\"\r\n\r\nKaydara\r\n--b--\r\n";
+    const auto fields = find_fields(request);
+    ASSERT_FALSE(fields);
+    EXPECT_EQ(fields.error().message, "the file is no mesh of a known format: STL, OBJ, PLY, OFF, glTF or GLB");
+    request.body.replace(request.body.find("Kaydara"), 7, "v 0 0 0\n");
+    EXPECT_TRUE(find_fields(request));
+}
+
 TEST(Form, AppendsFieldsWithAnyContentToTheQuery) {
     const Fields fields = {{"a&b=c", "%+ &=#?"}, {"empty", ""}, {"a", "\xff\xc3\xa4"}, {"a", "again"}};
     Fields with_picture = fields;
