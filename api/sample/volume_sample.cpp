@@ -45,7 +45,8 @@ Result<Answer> run_volume(const VolumeRequest& request, const Decode& decode, co
 Cost cost_of(const VolumeRequest& request) {
     // Fitted to measured peaks of resident memory and to measured times; tests/api/cost_test.cpp compares the peaks.
     constexpr Estimate kDraft{440, 120 * kMicrosecond}, kStandard{440, 100 * kMicrosecond};
-    constexpr Estimate kBest{440, 350 * kMicrosecond}, kStealthy{900, 800 * kMicrosecond}, kMesh{700, 20 * kMicrosecond};
+    constexpr Estimate kBest{440, 350 * kMicrosecond}, kStealthy{900, 800 * kMicrosecond},
+        kMesh{700, 20 * kMicrosecond};
     const VolumeOptions& run = request.run;
     Estimate site = run.quality == Quality::Draft      ? kDraft
                     : run.quality == Quality::Standard ? kStandard

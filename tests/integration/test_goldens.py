@@ -118,8 +118,10 @@ def samples(formats, methods):
                                          "domain": RECTANGLE}
     for place, order in itertools.product(domains, ("none", "path", "progressive")):
         yield f"{place} {order}", {"sites": 300, "order": order, "format": "csv", **domains[place]}
-    for form in ("mask", "mask16"):
-        yield "tile " + form, {"format": form, "seed": 3, "domain": {"type": "torus", "width": 48, "height": 32}}
+    tile = {"type": "torus", "width": 48, "height": 32}
+    for form in ("mask", "mask16", "masknpy"):
+        yield "tile " + form, {"format": form, "seed": 3, "domain": tile}
+        yield f"tile {form} frames", {"format": form, "seed": 3, "domain": {**tile, "depth": 4}}
     for form in ("json", "csv", "png", "npy"):
         yield f"pixels {form}", {"sites": 400, "format": form, "domain": {"type": "pixels", "width": 60, "height": 40}}
     yield "pixels by density", {"sites": 900, "seed": 3, "density": GRID, "calibration": {"width": 8, "height": 8},

@@ -39,6 +39,7 @@ interface MediaTypes {
   png: "image/png";
   mask: "image/png";
   mask16: "image/png";
+  masknpy: "application/x-npy";
   webp: "image/webp";
   tiff: "image/tiff";
   bmp: "image/bmp";
