@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
 #include <span>
 #include <string>
 #include <utility>
@@ -14,9 +13,9 @@
 #include "api/output/stage_costs.h"
 #include "api/run/estimate.h"
 #include "api/run/stopwatch.h"
+#include "api/sample/ordering.h"
 #include "api/sample/surface_parser.h"
 #include "core/order/progressive_order.h"
-#include "core/order/reorder.h"
 #include "core/surface/surface_density.h"
 
 namespace ccdt::api {
@@ -75,11 +74,10 @@ void order_points(const SurfaceRequest& request, const Surface& surface, const S
         places.push_back(surface.place(point));
         normals.push_back(surface.smooth_normal(point));
     }
-    reorder(dots, progressive_order_on_surface(places, normals, surface.total_area(),
-                                               is_even(request, surface, density), control.stop, *control.executor));
-    dots.ranks.resize(dots.points.size());
-    std::iota(dots.ranks.begin(), dots.ranks.end(), std::uint32_t{0});
-    dots.stopped = dots.stopped || control.stop.stop_requested();
+    set_order(dots,
+              progressive_order_on_surface(places, normals, surface.total_area(), is_even(request, surface, density),
+                                           control.stop, *control.executor),
+              control.stop);
 }
 
 }  // namespace

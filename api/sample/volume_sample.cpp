@@ -1,31 +1,73 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "api/sample/volume_sample.h"
 
+#include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "api/output/stage_costs.h"
 #include "api/run/stopwatch.h"
+#include "api/sample/ordering.h"
+#include "core/order/progressive_order.h"
+#include "core/volume/distribute_solid.h"
+#include "core/volume/solid.h"
 
 namespace ccdt::api {
+namespace {
+
+/// Reads the mesh that bounds a solid.
+/// @param placed  receives the notes about the mesh
+Result<Solid> make_solid(const SurfaceFile& file, const Decode& decode, const std::stop_token& stop,
+                         PlacedVolume& placed) {
+    const auto read = decode.surface(file.bytes, file.header, stop);
+    if (!read) return tl::unexpected(read.error());
+    auto made = Surface::create(read->soup, std::nullopt, stop);
+    if (!made) return tl::unexpected(made.error());
+    placed.repairs = std::move(made->repairs);
+    placed.warnings = std::move(made->warnings);
+    return Solid::create(std::move(made->surface));
+}
+
+/// Puts points into the requested order. After a stop, the order is arbitrary.
+/// @param solid  null: the domain is a box or torus
+void order_points(const VolumeRequest& request, const Solid* solid, const VoxelDensity& density, const Control& control,
+                  VolumeDistribution& dots) {
+    if (request.order != PointOrder::Progressive) return;
+    const auto& [sides, periodic] = request.domain;
+    const bool is_even = solid == nullptr && periodic && density.is_uniform() && request.run.fixed.empty();
+    const Box3 box = solid == nullptr ? Box3{{}, sides} : solid->bounds();
+    const double share = solid == nullptr ? 1 : std::min(1.0, solid->share());
+    set_order(dots,
+              progressive_order_in_space(box, solid == nullptr && periodic, dots.points, share, is_even, control.stop,
+                                         *control.executor),
+              control.stop);
+}
+
+}  // namespace
 
 Result<PlacedVolume> place_volume(const VolumeRequest& request, const Decode& decode, const Control& control,
                                   Timings& timings) {
     const auto located = [&](Error error) { return request.located(std::move(error)); };
+    PlacedVolume placed{.dots = {}, .domain = request.domain, .quality = request.run.quality, .seed = request.run.seed};
     Stopwatch watch;
     const auto density = make_density(request.density, decode, control.stop).map_error(located);
-    timings.decode = watch.lap();
     if (!density) return tl::unexpected(density.error());
-    auto dots = distribute_in_volume(request.domain, *density, request.run, control).map_error(located);
+    std::optional<Solid> solid;
+    if (request.solid) {
+        auto made = make_solid(*request.solid, decode, control.stop, placed);
+        if (!made) return tl::unexpected(std::move(made.error()));
+        solid = *std::move(made);
+    }
+    timings.decode = watch.lap();
+    auto dots = solid ? distribute_in_solid(*solid, *density, request.run, control)
+                      : distribute_in_volume(request.domain, *density, request.run, control);
+    if (dots) order_points(request, solid ? &*solid : nullptr, *density, control, *dots);
     timings.optimise = watch.lap();
-    if (!dots) return tl::unexpected(std::move(dots.error()));
+    if (!dots) return tl::unexpected(located(std::move(dots.error())));
     if (auto whole = check_whole(dots->stopped, request.on_deadline); !whole) return tl::unexpected(whole.error());
-    return PlacedVolume{
-        .dots = *std::move(dots),
-        .domain = request.domain,
-        .quality = request.run.quality,
-        .seed = request.run.seed,
-        .elapsed = timings.decode + timings.optimise,
-    };
+    placed.dots = *std::move(dots);
+    placed.elapsed = timings.decode + timings.optimise;
+    return placed;
 }
 
 Result<Answer> write_answer(const VolumeRequest& request, const PlacedVolume& placed, const VolumePointFormat& format,

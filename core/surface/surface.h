@@ -79,6 +79,8 @@ public:
 
     /// Triangle of the soup from which a face was made.
     std::uint32_t triangle_of(std::uint32_t face) const { return faces_[face].triangle; }
+    /// Whether a face is a triangle of the soup that was turned over.
+    bool is_turned(std::uint32_t face) const { return faces_[face].turned; }
     /// Barycentric coordinates of a point with respect to the corners of triangle_of(point.face), in the order of the
     /// soup. Faces that were turned over have their corners in another order.
     std::array<double, 3> original_weights(const SurfacePoint& point) const;

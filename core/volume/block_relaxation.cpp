@@ -13,7 +13,8 @@ namespace ccdt {
 namespace {
 
 constexpr double kSitesPerBlock = 16384;
-constexpr double kFewestBlocks = 2;  ///< so that two threads are of use for few sites, too
+constexpr double kMostEmptyBlocks = 64;  ///< blocks of the bounding box per block that would hold the sites of a solid
+constexpr double kFewestBlocks = 2;      ///< so that two threads are of use for few sites, too
 /// Width of the rim around a block whose sites are triangulated with it, in spacings. Almost all tetrahedra with a
 /// corner in the block are those of the complete triangulation.
 constexpr double kRim = 1.75;
@@ -87,7 +88,9 @@ struct Equations {
 
 }  // namespace
 
-double BlockRelaxation::relax(std::span<Point3> sites, std::size_t free, int passes, const std::stop_token& stop) {
+template <class Domain>
+double BlockRelaxation<Domain>::relax(std::span<Point3> sites, std::size_t free, int passes,
+                                      const std::stop_token& stop) {
     const std::vector<Block> blocks = divide(sites);
     ++calls_;
     std::vector<Point3> moved(sites.begin(), sites.begin() + static_cast<std::ptrdiff_t>(free));
@@ -108,25 +111,27 @@ double BlockRelaxation::relax(std::span<Point3> sites, std::size_t free, int pas
 }
 
 /// Assigns every site to one block, and to the blocks that it or one of its copies is near to.
-std::vector<BlockRelaxation::Block> BlockRelaxation::divide(std::span<const Point3> sites) const {
+template <class Domain>
+std::vector<typename BlockRelaxation<Domain>::Block> BlockRelaxation<Domain>::divide(
+    std::span<const Point3> sites) const {
     const double blocks_wanted = std::max(kFewestBlocks, static_cast<double>(sites.size()) / kSitesPerBlock);
-    const double width = std::cbrt(domain_.volume() / blocks_wanted);
+    const double box = domain_.box().volume();
+    const double width = std::cbrt(std::max(domain_.volume(), box / kMostEmptyBlocks) / blocks_wanted);
     // With a shift, block 0 of a torus continues at the other end. In a box, there is one more block.
     std::array<double, 3> per_length{}, shifts{};
     std::array<std::size_t, 3> counts{};
-    Point3 half_block;
+    double half_block = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const double side = along(domain_.sides, axis), count = std::max(1.0, std::ceil(side / width - 0.3));
         per_length[axis] = count / side;
         if (calls_ % 2 == 1 && (domain_.periodic || count > 1)) shifts[axis] = 0.5;
         counts[axis] = static_cast<std::size_t>(count) + (shifts[axis] > 0 && !domain_.periodic ? 1 : 0);
-        along(half_block, axis) = shifts[axis] * side / count;
+        if (domain_.periodic) half_block = std::max(half_block, shifts[axis] * side / count);
     }
     std::vector<Block> blocks(counts[0] * counts[1] * counts[2]);
     for (std::uint32_t i = 0; i < sites.size(); ++i) {
         const double reach = kRim * spacing_.side(sites[i]);
-        const Point3 margin = half_block + Point3{reach, reach, reach};
-        domain_.for_copies(sites[i], {Point3{} - margin, domain_.sides + margin}, [&](Point3 copy, bool is_original) {
+        domain_.for_copies(sites[i], half_block + reach, [&](Point3 copy, bool is_original) {
             std::array<std::size_t, 3> first{}, last{};
             std::array<double, 3> home{};
             for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -156,8 +161,11 @@ std::vector<BlockRelaxation::Block> BlockRelaxation::divide(std::span<const Poin
     return blocks;
 }
 
-BlockRelaxation::Sums BlockRelaxation::relax_block(const Block& block, std::size_t free, std::size_t all, int passes,
-                                                   std::span<Point3> moved, const std::stop_token& stop) const {
+template <class Domain>
+typename BlockRelaxation<Domain>::Sums BlockRelaxation<Domain>::relax_block(const Block& block, std::size_t free,
+                                                                            std::size_t all, int passes,
+                                                                            std::span<Point3> moved,
+                                                                            const std::stop_token& stop) const {
     const std::size_t own = block.own.size();
     Sums sums;
     if (own == 0 || stop.stop_requested()) return sums;
@@ -187,7 +195,7 @@ BlockRelaxation::Sums BlockRelaxation::relax_block(const Block& block, std::size
                 const Point3 middle = 0.25 * (places[a] + places[b] + places[c] + places[site]);
                 double sum = 0;
                 for (const Point3 corner : {places[a], places[b], places[c], places[site], middle}) {
-                    const Point3 p = domain_.inside(0.5 * (corner + middle));
+                    const Point3 p = domain_.in_box(0.5 * (corner + middle));
                     sum += density_.at({p.x / sides.x, p.y / sides.y, p.z / sides.z});
                 }
                 fans.weights[k] = sum / 5;
@@ -234,7 +242,7 @@ BlockRelaxation::Sums BlockRelaxation::relax_block(const Block& block, std::size
             const double local = fans.weights.empty() ? 1 : std::pow(mean_weight / faces, 2.0 / 3);
             equations.add_spring(local * stiffness, 1 / (3 * faces) * middle);
             Point3 move = kRelaxation * equations.solve();
-            const double size = length(move), longest = kMaxMove * spacing_.side(domain_.inside(place));
+            const double size = length(move), longest = kMaxMove * spacing_.side(domain_.in_box(place));
             if (size > longest) move = longest / size * move;
             double share = 1;
             for (std::size_t k = 0; k < count; ++k) {
@@ -245,9 +253,13 @@ BlockRelaxation::Sums BlockRelaxation::relax_block(const Block& block, std::size
         }
     }
     for (std::size_t site = 0; site < own; ++site) {
-        if (block.own[site].site < free) moved[block.own[site].site] = domain_.inside(places[site]);
+        if (block.own[site].site < free)
+            moved[block.own[site].site] = domain_.moved(block.own[site].place, places[site]);
     }
     return sums;
 }
+
+template class BlockRelaxation<BoxDomain3>;
+template class BlockRelaxation<SolidDomain>;
 
 }  // namespace ccdt

@@ -10,6 +10,7 @@
 #include "core/geometry/point3.h"
 #include "core/parallel/executor.h"
 #include "core/volume/box_domain3.h"
+#include "core/volume/solid_domain.h"
 #include "core/volume/volume_spacing.h"
 #include "core/volume/voxel_density.h"
 
@@ -23,11 +24,12 @@ namespace ccdt {
 /// of sites beyond the domain's border. So blocks can be processed in parallel, and only the triangulations of a few
 /// blocks are in memory at a time. While a block is relaxed, the sites around it keep their places. Blocks have other
 /// borders in every second call.
+/// @tparam Domain  BoxDomain3 or SolidDomain
+template <class Domain>
 class BlockRelaxation {
 public:
     /// @param density, spacing  must outlive this object
-    BlockRelaxation(const BoxDomain3& domain, const VoxelDensity& density, const VolumeSpacing& spacing,
-                    Executor& executor)
+    BlockRelaxation(const Domain& domain, const VoxelDensity& density, const VolumeSpacing& spacing, Executor& executor)
         : domain_(domain), density_(density), spacing_(spacing), executor_(executor) {}
 
     /// Triangulates the sites and moves each of them `passes` times.
@@ -56,11 +58,14 @@ private:
     Sums relax_block(const Block& block, std::size_t free, std::size_t all, int passes, std::span<Point3> moved,
                      const std::stop_token& stop) const;
 
-    BoxDomain3 domain_;
+    Domain domain_;
     const VoxelDensity& density_;
     const VolumeSpacing& spacing_;
     Executor& executor_;
     std::size_t calls_ = 0;
 };
+
+extern template class BlockRelaxation<BoxDomain3>;
+extern template class BlockRelaxation<SolidDomain>;
 
 }  // namespace ccdt

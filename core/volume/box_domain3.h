@@ -22,6 +22,26 @@ struct BoxDomain3 {
     /// images, and the result keeps a tiny distance from the border.
     Point3 inside(Point3 p) const { return {inside(p.x, sides.x), inside(p.y, sides.y), inside(p.z, sides.z)}; }
 
+    // The members below are those that SolidDomain has, too.
+
+    /// The bounding box.
+    BoxDomain3 box() const { return *this; }
+    bool contains(Point3) const { return true; }
+    /// Returns a point in the domain.
+    Point3 interior() const { return 0.5 * sides; }
+    /// Returns the place in the bounding box at which a copy has its density.
+    Point3 in_box(Point3 p) const { return inside(p); }
+    /// Returns the place in the domain where a move ends.
+    /// @param from  in the domain
+    Point3 moved(Point3 /*from*/, Point3 to) const { return inside(to); }
+
+    /// Calls function(copy, is_original) for the copies of a point up to a distance from the domain, and the point.
+    template <class Function>
+    void for_copies(Point3 p, double distance, Function&& function) const {
+        const Point3 margin{distance, distance, distance};
+        for_copies(p, {Point3{} - margin, sides + margin}, function);
+    }
+
     /// Calls function(copy, is_original) for all copies of a point, and the point itself, within a window. Copies on a
     /// torus are periodic. Copies in a box are the images in all mirrors that the faces are. Points and copies together
     /// have the same density everywhere.

@@ -3,65 +3,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
-#include <span>
 #include <string>
-#include <utility>
-
-#include "core/polish/cell_list.h"
-#include "core/volume/block_relaxation.h"
-#include "core/volume/near_push.h"
-#include "core/volume/volume_spacing.h"
-#include "core/volume/volume_start.h"
-#include "core/volume/volume_transport.h"
+#include <vector>
 
 namespace ccdt {
 
 namespace {
 
-/// Schedule, in order of execution. A round pushes near points apart, then removes long waves.
-struct Schedule {
-    int wide_rounds = 0;  ///< rounds whose pushes reach all neighbours, which order the points
-    int relaxations = 0;  ///< relaxations of the tetrahedra, each on a new triangulation
-    int passes = 5;       ///< passes per relaxation
-    int rounds = 0;       ///< rounds whose pushes reach near neighbours
-    /// Reach of these pushes. The relaxed tetrahedra keep their shapes better if it is short.
-    double reach = 0.87;
-    int near_rounds = 0;  ///< rounds with several pushes of the nearest neighbours, except for the last one
-    int waves = 0;        ///< most removals of waves at the end, until their power is negligible
-
-    int steps() const { return wide_rounds + relaxations + rounds + near_rounds + waves; }
-};
-
-// Benchmark VolumePattern.
-Schedule schedule_of(Quality quality, bool stealthy) {
-    switch (quality) {
-        case Quality::Draft:
-            return {.relaxations = 5};
-        case Quality::Standard:
-            return {.wide_rounds = 8, .relaxations = 2, .rounds = 8, .reach = 0.9, .near_rounds = 2};
-        default:
-            return {.wide_rounds = 30, .relaxations = 4, .rounds = 24, .near_rounds = 2, .waves = stealthy ? 20 : 0};
-    }
-}
-
-// Reach of pushes, relative to the distance in the densest packing, and share of the missing distance.
-constexpr double kWideReach = 1.1, kWideShare = 0.25;
-constexpr double kNearReach = 0.88, kLastReach = 0.87, kShare = 0.5;
-constexpr int kNearPushes = 3;    ///< pushes per near round
-constexpr int kLastPushes = 10;   ///< most pushes at the end
-constexpr double kLeast = 0.855;  ///< least distance of two points, relative to the densest packing, that ends pushes
-constexpr double kNegligiblePower = 1e-11;  ///< largest power of a wave that counts as removed
-constexpr double kThinnest = 0.25;          ///< shortest side of a domain, in spacings
-constexpr std::size_t kMostSites = std::size_t{1} << 31;
+constexpr double kThinnest = 0.25;  ///< shortest side of a domain, in spacings
 
 bool is_length(double v) {
     return std::isfinite(v) && v > 0;
 }
 
 Result<void> check(const BoxDomain3& domain, const VolumeOptions& options) {
-    if (options.sites < 1 || options.sites > kMostSites)
-        return failure(ErrorCode::Malformed, "the number of points must be 1 to 2^31", "sites");
+    if (auto checked = check_sites(options); !checked) return checked;
     const Point3 sides = domain.sides;
     if (!is_length(sides.x) || !is_length(sides.y) || !is_length(sides.z))
         return failure(ErrorCode::Malformed, "the sides must be finite and > 0", "domain");
@@ -72,147 +28,6 @@ Result<void> check(const BoxDomain3& domain, const VolumeOptions& options) {
             return failure(ErrorCode::Malformed, "a fixed point must be in the domain", "fixed/" + std::to_string(i));
     }
     return {};
-}
-
-/// Builds one distribution, in the unit frame: the longest side is 1.
-class VolumeConstruction {
-public:
-    VolumeConstruction(const BoxDomain3& unit, const VoxelDensity& density, const VolumeOptions& options,
-                       std::span<const Point3> fixed, const Control& control)
-        : domain_(unit),
-          density_(density),
-          control_(control),
-          executor_(*control.executor),
-          free_(options.sites),
-          spacing_(unit, density, options.sites + fixed.size(), executor_),
-          schedule_(schedule_of(options.quality, options.quality == Quality::Stealthy && unit.periodic &&
-                                                     density.is_uniform() && fixed.empty())),
-          transport_(unit, density, spacing_, options.sites + fixed.size(), schedule_.waves > 0, executor_),
-          relaxation_(unit, density, spacing_, executor_) {
-        sites_ = draw_start(unit, density, options.sites + fixed.size(), options.seed);
-        replace_nearest(fixed);
-    }
-
-    void execute() {
-        report();
-        for (int i = 0; i < schedule_.wide_rounds; ++i) round(kWideReach, kWideShare);
-        transport_.release_memory();
-        for (int i = 0; i < schedule_.relaxations && !stopping(); ++i) {
-            within_density(
-                [&] { trace_.push_back(relaxation_.relax(sites_, free_, schedule_.passes, control_.stop)); });
-            finish_step();
-        }
-        for (int i = 0; i < schedule_.rounds; ++i) round(schedule_.reach, kShare);
-        for (int i = 0; i < schedule_.near_rounds && !stopping(); ++i) {
-            if (i > 0) push(kNearReach, kShare, kNearPushes);
-            even_out();
-            finish_step();
-        }
-        // Without waves to remove, distances come last: these pushes move too few points to create waves.
-        if (schedule_.waves == 0 && schedule_.near_rounds > 0) push(kLastReach, kShare, kLastPushes);
-        for (int i = 0; i < schedule_.waves && !stopping(); ++i) {
-            if (even_out() < kNegligiblePower) break;
-            finish_step();
-        }
-        transport_.release_memory();
-    }
-
-    std::span<const Point3> sites() const { return sites_; }
-    TetrahedronMesh mesh() const { return volume_mesh(domain_, spacing_, sites_, control_.stop); }
-    std::vector<double> take_trace() { return std::move(trace_); }
-
-private:
-    bool stopping() const { return control_.stop.stop_requested(); }
-
-    /// Puts each fixed point in place of the initial site that is nearest to it, and moves these points to the end.
-    void replace_nearest(std::span<const Point3> fixed);
-
-    void push(double reach, double share, int times) {
-        transport_.release_memory();  // a push needs as much memory itself
-        for (int i = 0; i < times && !stopping(); ++i) {
-            double least = 0;
-            within_density(
-                [&] { least = push_apart(domain_, spacing_, sites_, free_, reach, share, executor_, control_.stop); });
-            if (least >= kLeast) return;
-        }
-    }
-    double even_out() {
-        double power = 0;
-        if (!stopping()) within_density([&] { power = transport_.even_out(sites_, free_, control_.stop); });
-        return power;
-    }
-
-    /// Moves sites. Reverts the moves that end where the density is 0.
-    template <class Move>
-    void within_density(Move&& move) {
-        if (!density_.has_gaps()) return move();
-        const std::vector<Point3> before = sites_;
-        move();
-        for (std::size_t i = 0; i < free_; ++i) {
-            const Point3 p = sites_[i], sides = domain_.sides;
-            if (!density_.is_positive({p.x / sides.x, p.y / sides.y, p.z / sides.z})) sites_[i] = before[i];
-        }
-    }
-
-    void round(double reach, double share) {
-        if (stopping()) return;
-        push(reach, share, 1);
-        even_out();
-        finish_step();
-    }
-
-    void finish_step() {
-        if (stopping()) return;
-        ++done_;
-        report();
-    }
-    void report() const {
-        if (!control_.progress) return;
-        const double variation = trace_.empty() ? 0 : trace_.back();
-        const int relaxed = static_cast<int>(trace_.size());
-        control_.progress(
-            {relaxed, schedule_.relaxations, variation, done_ - relaxed, schedule_.steps() - schedule_.relaxations});
-    }
-
-    BoxDomain3 domain_;
-    const VoxelDensity& density_;
-    const Control& control_;
-    Executor& executor_;
-    std::size_t free_;
-    VolumeSpacing spacing_;
-    Schedule schedule_;
-    VolumeTransport transport_;
-    BlockRelaxation relaxation_;
-    std::vector<Point3> sites_;  ///< sites, then fixed points
-    std::vector<double> trace_;
-    int done_ = 0;  ///< number of completed steps
-};
-
-void VolumeConstruction::replace_nearest(std::span<const Point3> fixed) {
-    if (fixed.empty()) return;
-    const CellList3 cells(sites_);
-    std::vector<bool> replaced(sites_.size(), false);
-    for (const Point3 p : fixed) {
-        std::optional<std::uint32_t> nearest;
-        // There are as many sites as fixed points, or more, so one is found.
-        for (double reach = spacing_.side(p); !nearest; reach *= 2) {
-            double least = reach * reach;
-            cells.for_near(p, reach, [&](Point3 site, std::uint32_t number) {
-                const double squared = dot(site - p, site - p);
-                if (replaced[number] || squared >= least) return;
-                nearest = number;
-                least = squared;
-            });
-        }
-        replaced[*nearest] = true;
-    }
-    std::vector<Point3> kept;
-    kept.reserve(sites_.size());
-    for (std::size_t i = 0; i < sites_.size(); ++i) {
-        if (!replaced[i]) kept.push_back(sites_[i]);
-    }
-    kept.insert(kept.end(), fixed.begin(), fixed.end());
-    sites_ = std::move(kept);
 }
 
 }  // namespace
@@ -228,19 +43,11 @@ Result<VolumeDistribution> distribute_in_volume(const BoxDomain3& domain, const 
     std::vector<Point3> fixed;
     for (const Point3 p : options.fixed) fixed.push_back(unit.inside({p.x / scale, p.y / scale, p.z / scale}));
 
-    VolumeConstruction construction(unit, density, options, fixed, control);
-    construction.execute();
-    VolumeDistribution result;
-    result.trace = construction.take_trace();
-    result.stopped = control.stop.stop_requested();
-    if (options.keep_mesh && !result.stopped) result.mesh = construction.mesh();
+    VolumeDistribution result = construct_volume(unit, density, std::nullopt, options, fixed, control);
     if (result.mesh) {
         for (Point3& vertex : result.mesh->vertices) vertex = scale * vertex;
     }
-    result.stopped = control.stop.stop_requested();
-    if (result.stopped) result.mesh.reset();
-    result.points.reserve(options.sites);
-    for (const Point3 p : construction.sites().first(options.sites)) result.points.push_back(domain.inside(scale * p));
+    for (Point3& p : result.points) p = domain.inside(scale * p);
     return result;
 }
 

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "core/polish/cell_list.h"
+#include "core/volume/box_domain3.h"
+#include "core/volume/solid_domain.h"
 
 namespace ccdt {
 
@@ -20,7 +22,8 @@ constexpr double kMaxPush = 0.5;  ///< longest move, relative to the reach
 
 }  // namespace
 
-double push_apart(const BoxDomain3& domain, const VolumeSpacing& spacing, std::span<Point3> sites, std::size_t free,
+template <class Domain>
+double push_apart(const Domain& domain, const VolumeSpacing& spacing, std::span<Point3> sites, std::size_t free,
                   double reach, double share, Executor& executor, const std::stop_token& stop) {
     std::vector<std::uint32_t> numbers;  // [places] site of each place
     const double ratio = spacing.is_uniform() ? 1 : VolumeSpacing::kMaxRatio;
@@ -29,8 +32,7 @@ double push_apart(const BoxDomain3& domain, const VolumeSpacing& spacing, std::s
         for (std::uint32_t i = 0; i < sites.size(); ++i) numbers.push_back(i);
         for (std::uint32_t i = 0; i < sites.size(); ++i) {
             const double range = ratio * reach * spacing.densest(sites[i]);
-            const Point3 margin{range, range, range};
-            domain.for_copies(sites[i], {Point3{} - margin, domain.sides + margin}, [&](Point3 copy, bool is_original) {
+            domain.for_copies(sites[i], range, [&](Point3 copy, bool is_original) {
                 if (is_original) return;
                 places.push_back(copy);
                 numbers.push_back(i);
@@ -61,11 +63,16 @@ double push_apart(const BoxDomain3& domain, const VolumeSpacing& spacing, std::s
                 move = move + (part * (wanted / distance - 1)) * away;
             });
             const double longest = kMaxPush * own, size = length(move);
-            moved[i] = domain.inside(p + (size > longest ? longest / size : 1) * move);
+            moved[i] = domain.moved(p, p + (size > longest ? longest / size : 1) * move);
         }
     });
     if (!stop.stop_requested()) std::ranges::copy(moved, sites.begin());
     return reach * std::ranges::min(least);
 }
+
+template double push_apart(const BoxDomain3&, const VolumeSpacing&, std::span<Point3>, std::size_t, double, double,
+                           Executor&, const std::stop_token&);
+template double push_apart(const SolidDomain&, const VolumeSpacing&, std::span<Point3>, std::size_t, double, double,
+                           Executor&, const std::stop_token&);
 
 }  // namespace ccdt

@@ -6,13 +6,13 @@
 
 #include "core/geometry/point3.h"
 #include "core/parallel/executor.h"
-#include "core/volume/box_domain3.h"
 #include "core/volume/volume_spacing.h"
 
 namespace ccdt {
 
 /// Moves near sites apart. In a box, the mirror images of sites push, too, which keeps the first layer half a spacing
 /// off the border.
+/// @tparam Domain   BoxDomain3 or SolidDomain
 /// @param sites     [sites + fixed] in the domain; the first `free` of them move
 /// @param reach     distance below which two sites are pushed, relative to the neighbours' distance in the densest
 ///                  packing of as many sites
@@ -22,7 +22,8 @@ namespace ccdt {
 ///                  distances are larger
 ///
 /// The result does not depend on the number of threads. O(sites).
-double push_apart(const BoxDomain3& domain, const VolumeSpacing& spacing, std::span<Point3> sites, std::size_t free,
+template <class Domain>
+double push_apart(const Domain& domain, const VolumeSpacing& spacing, std::span<Point3> sites, std::size_t free,
                   double reach, double share, Executor& executor, const std::stop_token& stop);
 
 }  // namespace ccdt

@@ -3,21 +3,13 @@
 
 #include <span>
 #include <stop_token>
-#include <vector>
 
-#include "core/geometry/delaunay3.h"
 #include "core/geometry/point3.h"
 #include "core/volume/box_domain3.h"
+#include "core/volume/tetrahedron_mesh.h"
 #include "core/volume/volume_spacing.h"
 
 namespace ccdt {
-
-/// A Delaunay triangulation. In a box, it fills the box. On a torus, corners of a tetrahedron may belong to
-/// neighbouring periodic copies.
-struct TetrahedronMesh {
-    std::vector<Point3> vertices;  ///< points, then in a box the vertices on its faces
-    std::vector<Tetrahedron> tetrahedra;
-};
 
 /// Triangulates points. In a box, each point of the first layer has further vertices where it is projected to the faces
 /// and edges near it, and the corners of the box are vertices, too.

@@ -4,12 +4,16 @@
 #include <array>
 
 #include "core/random.h"
+#include "core/volume/box_domain3.h"
+#include "core/volume/solid_domain.h"
 
 namespace ccdt {
 
-std::vector<Point3> draw_start(const BoxDomain3& domain, const VoxelDensity& density, std::size_t sites,
-                               std::uint64_t seed) {
+template <class Domain>
+std::vector<Point3> draw_start(const Domain& domain, const VoxelDensity& density, const VoxelDensity& inside,
+                               std::size_t sites, std::uint64_t seed) {
     constexpr std::size_t kMostPerCell = 4;
+    constexpr int kAttempts = 32;  // a site of a thin part of a solid is hard to find at random
     struct Cell {
         Box3 box;  ///< relative to the domain's sides
         std::size_t sites;
@@ -24,9 +28,14 @@ std::vector<Point3> draw_start(const BoxDomain3& domain, const VoxelDensity& den
         if (cell.sites <= kMostPerCell) {
             for (std::size_t i = 0; i < cell.sites; ++i) {
                 Random random(seed, drawn.size());
-                const double x = random.uniform(), y = random.uniform(), z = random.uniform();
-                const Point3 p = density.draw(cell.box, {x, y, z});
-                drawn.push_back(domain.inside({p.x * sides.x, p.y * sides.y, p.z * sides.z}));
+                Point3 place;
+                for (int attempt = 0; attempt < kAttempts; ++attempt) {
+                    const double x = random.uniform(), y = random.uniform(), z = random.uniform();
+                    const Point3 p = inside.draw(cell.box, {x, y, z});
+                    place = {p.x * sides.x, p.y * sides.y, p.z * sides.z};
+                    if (domain.contains(place) && density.is_positive(p)) break;
+                }
+                drawn.push_back(domain.moved(drawn.empty() ? domain.interior() : drawn.back(), place));
             }
             continue;
         }
@@ -39,11 +48,16 @@ std::vector<Point3> draw_start(const BoxDomain3& domain, const VoxelDensity& den
         low.sites = cell.sites / 2;
         high.sites = cell.sites - low.sites;
         const double share = static_cast<double>(low.sites) / static_cast<double>(cell.sites);
-        along(low.box.max, axis) = along(high.box.min, axis) = density.cut(cell.box, axis, share);
+        along(low.box.max, axis) = along(high.box.min, axis) = inside.cut(cell.box, axis, share);
         cells.push_back(high);
         cells.push_back(low);
     }
     return drawn;
 }
+
+template std::vector<Point3> draw_start(const BoxDomain3&, const VoxelDensity&, const VoxelDensity&, std::size_t,
+                                        std::uint64_t);
+template std::vector<Point3> draw_start(const SolidDomain&, const VoxelDensity&, const VoxelDensity&, std::size_t,
+                                        std::uint64_t);
 
 }  // namespace ccdt

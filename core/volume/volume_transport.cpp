@@ -12,6 +12,9 @@ namespace ccdt {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+/// Upper limit of the removed frequencies of a uniform density, in cycles per mean spacing. It is just above half the
+/// principal frequency of the densest packing, 0.5456.
+constexpr double kLimit = 0.55;
 /// Four cells per cycle of the highest frequency; see WaveGrid. If the grid must be precise, nearly six.
 constexpr double kCellsPerSpacing = 2.2, kPreciseCells = 3.2;
 constexpr double kMaxMove = 0.25;     ///< longest move, in spacings
@@ -19,13 +22,16 @@ constexpr std::size_t kSites = 4096;  ///< sites per task
 constexpr std::size_t kMaxOctaves = 5;
 /// Limit on the density that octave 0 resolves, relative to the mean density.
 constexpr double kMaxContrast = 4;
+/// Limits on the cells of the grid of octave 0, per point and at least. A solid that fills a small part of its bounding
+/// box reaches them.
+constexpr double kMostCells = 44, kFewestCells = 1 << 17;
 constexpr double kCaution = 0.7;  ///< number of octaves added to the octave that follows from the spacing
 
 /// Returns the share of a wave's error that a round removes.
 /// @param frequency  in cycles per spacing
 double share_removed(double frequency, bool uniform) {
     constexpr double kVaryingEnd = 0.5;
-    if (uniform) return frequency < VolumeTransport::kLimit ? 1 : 0;
+    if (uniform) return frequency < kLimit ? 1 : 0;
     const double squared = std::pow(frequency / kVaryingEnd, 2);
     return std::exp(-squared * squared);
 }
@@ -40,35 +46,49 @@ double part(double level, std::size_t octave) {
     return std::max(0.0, 1 - std::abs(level - static_cast<double>(octave)));
 }
 
+/// Returns the spacing that octave 0 resolves, in a grid with `cells` cells per spacing.
+template <class Domain>
+double finest_spacing(const Domain& domain, const VoxelDensity& density, const VolumeSpacing& spacing, double points,
+                      double cells) {
+    const double box = domain.box().volume(), most = std::max(kFewestCells, kMostCells * points);
+    const double contrast = spacing.is_uniform() ? 1 : density.contrast() * domain.volume() / box;
+    return std::max(spacing.mean() / std::cbrt(std::min(contrast, kMaxContrast)), cells * std::cbrt(box / most));
+}
+
 }  // namespace
 
-VolumeTransport::VolumeTransport(const BoxDomain3& domain, const VoxelDensity& density, const VolumeSpacing& spacing,
-                                 std::size_t points, bool precise, Executor& executor)
+template <class Domain>
+VolumeTransport<Domain>::VolumeTransport(const Domain& domain, const VoxelDensity& density,
+                                         const VolumeSpacing& spacing, std::size_t points, bool precise,
+                                         Executor& executor)
     : domain_(domain),
       spacing_(spacing),
       executor_(executor),
       points_(static_cast<double>(points)),
-      finest_(spacing.mean() / std::cbrt(std::min(density.contrast(), kMaxContrast))) {
-    const double longest = std::max({domain.sides.x, domain.sides.y, domain.sides.z});
+      finest_(finest_spacing(domain, density, spacing, points_, precise ? kPreciseCells : kCellsPerSpacing)) {
+    const BoxDomain3 box = domain.box();
+    const double longest = std::max({box.sides.x, box.sides.y, box.sides.z});
     const double cells = precise ? kPreciseCells : kCellsPerSpacing;
-    const std::size_t octaves = density.is_uniform() ? 1 : kMaxOctaves;
+    const std::size_t octaves = spacing.is_uniform() ? 1 : kMaxOctaves;
     for (std::size_t octave = 0; octave < octaves; ++octave) {
         const double own = finest_ * std::exp2(static_cast<double>(octave));
         if (octave > 0 && own > longest / 4) break;
-        octaves_.push_back({WaveGrid(domain, (cells / own) * domain.sides, executor), own});
+        octaves_.push_back({WaveGrid(box, (cells / own) * box.sides, executor), own});
     }
     if (density.is_uniform()) return;
     for (std::size_t octave = 0; octave < octaves_.size(); ++octave) set_target(octaves_[octave], octave, density);
 }
 
 /// Returns the fractional octave of a point.
-double VolumeTransport::level(Point3 p) const {
+template <class Domain>
+double VolumeTransport<Domain>::level(Point3 p) const {
     const double level = std::log2(spacing_.side(p) / finest_) + kCaution;
     return std::clamp(level, 0.0, static_cast<double>(octaves_.size() - 1));
 }
 
 /// Computes the wanted density of an octave, as if it consisted of very many points that were spread on the grid.
-void VolumeTransport::set_target(Octave& octave, std::size_t number, const VoxelDensity& density) {
+template <class Domain>
+void VolumeTransport<Domain>::set_target(Octave& octave, std::size_t number, const VoxelDensity& density) {
     WaveGrid& grid = octave.grid;
     const auto [columns, rows, layers] = grid.cells();
     const Point3 cell{1.0 / columns, 1.0 / rows, 1.0 / layers}, sides = domain_.sides;
@@ -104,7 +124,8 @@ void VolumeTransport::set_target(Octave& octave, std::size_t number, const Voxel
 }
 
 /// Converts the grid's values from points to the potential of their moves. Returns the largest power of a removed wave.
-double VolumeTransport::solve(Octave& octave) {
+template <class Domain>
+double VolumeTransport<Domain>::solve(Octave& octave) {
     WaveGrid& grid = octave.grid;
     const bool uniform = spacing_.is_uniform();
     std::vector<double> largest(static_cast<std::size_t>(grid.cells()[2]), 0);
@@ -119,13 +140,14 @@ double VolumeTransport::solve(Octave& octave) {
         }
         coefficient /= wave.window * grid.copies();
         if (uniform) largest[layer] = std::max(largest[layer], std::norm(coefficient) * grid.copies() / points_);
-        coefficient *= -share / (4 * kPi * kPi * squared * wave.window * domain_.volume());
+        coefficient *= -share / (4 * kPi * kPi * squared * wave.window * domain_.box().volume());
     });
     grid.backward();
     return std::ranges::max(largest);
 }
 
-double VolumeTransport::even_out(std::span<Point3> sites, std::size_t free, const std::stop_token& stop) {
+template <class Domain>
+double VolumeTransport<Domain>::even_out(std::span<Point3> sites, std::size_t free, const std::stop_token& stop) {
     const bool uniform = spacing_.is_uniform();
     moves_.assign(free, {});
     double largest = 0;
@@ -154,16 +176,20 @@ double VolumeTransport::even_out(std::span<Point3> sites, std::size_t free, cons
             const double side = spacing_.side(sites[i]);
             const Point3 move = side * side * side * moves_[i];
             const double size = length(move), longest = kMaxMove * side;
-            sites[i] = domain_.inside(sites[i] + (size > longest ? longest / size : 1) * move);
+            sites[i] = domain_.moved(sites[i], sites[i] + (size > longest ? longest / size : 1) * move);
         }
     });
     moves_ = {};
     return uniform ? largest : 0;
 }
 
-void VolumeTransport::release_memory() {
+template <class Domain>
+void VolumeTransport<Domain>::release_memory() {
     for (Octave& octave : octaves_) octave.grid.release_memory();
     weights_ = {};
 }
+
+template class VolumeTransport<BoxDomain3>;
+template class VolumeTransport<SolidDomain>;
 
 }  // namespace ccdt

@@ -9,6 +9,7 @@
 #include "core/geometry/point3.h"
 #include "core/parallel/executor.h"
 #include "core/volume/box_domain3.h"
+#include "core/volume/solid_domain.h"
 #include "core/volume/volume_spacing.h"
 #include "core/volume/voxel_density.h"
 #include "core/volume/wave_grid.h"
@@ -18,18 +19,17 @@ namespace ccdt {
 /// Removes long waves of density error from points in space. Works like Transport in the plane, which has the
 /// derivation. Differences: the filter for a uniform density is sharp, which leaves larger distances between points,
 /// and the moves of all octaves are added up, so that each octave has a grid of its own.
+/// @tparam Domain  BoxDomain3 or SolidDomain
+template <class Domain>
 class VolumeTransport {
 public:
-    /// Upper limit of the removed frequencies of a uniform density, in cycles per mean spacing. It is just above half
-    /// the principal frequency of the densest packing, 0.5456.
-    static constexpr double kLimit = 0.55;
-
-    /// @param points   number of sites and fixed points
+    /// @param density  over the bounding box of the domain; in a solid, 0 outside
     /// @param spacing  must outlive this object
+    /// @param points   number of sites and fixed points
     /// @param precise  whether the error of the grid must allow for power below -100 dB; takes more than twice the
     /// memory
-    VolumeTransport(const BoxDomain3& domain, const VoxelDensity& density, const VolumeSpacing& spacing,
-                    std::size_t points, bool precise, Executor& executor);
+    VolumeTransport(const Domain& domain, const VoxelDensity& density, const VolumeSpacing& spacing, std::size_t points,
+                    bool precise, Executor& executor);
 
     /// Moves sites such that the error of density vanishes to first order. No move is longer than a quarter of the
     /// spacing.
@@ -53,7 +53,7 @@ private:
     void set_target(Octave& octave, std::size_t number, const VoxelDensity& density);
     double solve(Octave& octave);
 
-    BoxDomain3 domain_;
+    Domain domain_;
     const VolumeSpacing& spacing_;
     Executor& executor_;
     double points_;
@@ -62,5 +62,8 @@ private:
     std::vector<double> weights_;  ///< [points] weights of the sites in an octave
     std::vector<Point3> moves_;
 };
+
+extern template class VolumeTransport<BoxDomain3>;
+extern template class VolumeTransport<SolidDomain>;
 
 }  // namespace ccdt

@@ -83,8 +83,10 @@ TEST_P(Documented, HaveTheFormatsThatAreDocumented) {
     auto made = all(formats, "media_type");
     if (endpoint.contains("devices"))
         std::ranges::copy(all(endpoint.at("devices").at("formats"), "media_type"), std::back_inserter(made));
-    if (endpoint.contains("surfaces"))
-        std::ranges::copy(all(endpoint.at("surfaces").at("formats"), "media_type"), std::back_inserter(made));
+    for (const auto* kind : {"surfaces", "volumes"}) {
+        if (endpoint.contains(kind))
+            std::ranges::copy(all(endpoint.at(kind).at("formats"), "media_type"), std::back_inserter(made));
+    }
     EXPECT_EQ(types, std::set<std::string>(made.begin(), made.end()));
 }
 
@@ -197,6 +199,18 @@ TEST(Capabilities, ListSurfacesWithDocumentedFormatsAndOptions) {
               (std::vector<std::string>{"stl", "obj", "ply", "off", "gltf", "glb"}));
     EXPECT_EQ(row_of(surfaces.at("formats"), "obj").at("needs"), Json::parse(R"(["mesh"])"));
     EXPECT_EQ(row_of(surfaces.at("formats"), "glb").at("needs"), Json::array());
+}
+
+TEST(Capabilities, ListVolumesWithDocumentedFormatsAndOptions) {
+    const Json volumes = capabilities().at("sample").at("volumes");
+    const Json documented = properties_of("VolumeOptions");
+    std::set<std::string> names;
+    for (const auto& [name, schema] : documented.items()) names.insert(name);
+    EXPECT_EQ(volumes.at("options").get<std::set<std::string>>(), names);
+    EXPECT_EQ(all(volumes.at("formats"), "name"),
+              documented.at("format").at("enum").get<std::vector<std::string>>());
+    EXPECT_EQ(all(volumes.at("inputs"), "name"), (std::vector<std::string>{"npy", "tiff"}));
+    EXPECT_EQ(row_of(volumes.at("formats"), "msh").at("needs"), Json::parse(R"(["mesh"])"));
 }
 
 TEST(Capabilities, ReportDrawnFormatsAndTheirLargestSize) {

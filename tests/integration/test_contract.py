@@ -173,7 +173,7 @@ class Routes(ContractCase):
         found = re.findall(r'\{"(/[^"]*)", "([A-Z]+)", ConnectionClass::\w+, Access::\w+, &Routes::\w+,\s+'
                            r'(?:nullptr|find_operation\("/halftone"\))\}', source)
         self.assertEqual(len(found), source.count('{"/'))
-        computed = re.findall(r'\{"(/[^"]*)", \w+, \w+, \w+, "\w*", parse_\w+\}',
+        computed = re.findall(r'\{"(/[^"]*)", \w+, \w+, \w+, \w+, "\w*", parse_\w+\}',
                               (SERVER / "work" / "operation.h").read_text())
         self.assertEqual(set(computed), set(COMPUTING))
         found += [(path, "POST") for path in computed]
@@ -428,7 +428,7 @@ class PixelRequests(ContractCase):
 
 
 class SurfaceRequests(ContractCase):
-    VALUES = {"density": "curvature", "fixed": "[[0,0,0]]", "crease": "45", "mesh": "true", "order": "progressive",
+    VALUES = {"domain": "surface", "density": "curvature", "fixed": "[[0,0,0]]", "crease": "45", "mesh": "true", "order": "progressive",
               "quality": "draft", "iterations": "1", "passes": "1", "seed": "5", "on_deadline": "partial"}
 
     def post(self, query, status=200):
@@ -467,6 +467,31 @@ class SurfaceRequests(ContractCase):
         self.post("sites=2&crease=0", 400)
 
 
+class VolumeRequests(ContractCase):
+    BODY = {"sites": 20, "domain": {"type": "torus", "width": 1, "height": 1, "depth": 1}}
+    VALUES = {"seed": 5, "quality": "stealthy", "on_deadline": "partial", "fixed": [[0.5, 0.5, 0.5]],
+              "order": "progressive", "mesh": True, "density": {"width": 1, "height": 1, "depth": 2, "values": [1, 2]}}
+
+    def test_are_answered_as_documented(self):
+        self.assertEqual({*self.VALUES, "sites", "domain", "format"}, set(properties("VolumeRequest")))
+        for option, value in self.VALUES.items():
+            with self.subTest(option):
+                body = {**self.BODY, option: value}
+                self.assertEqual(faults(body, schema("VolumeRequest")), [])
+                self.assertEqual(faults(self.pose("/sample", body).json(), schema("VolumePoints")), [])
+
+    def test_match_the_server(self):
+        detail = self.pose("/sample", {**self.BODY, "nonsense": 1}, status=400).json()["detail"]
+        known = detail.split(" are ")[1].split(", ")
+        self.assertEqual(sorted(known), sorted(properties("VolumeOptions")))
+
+    def test_have_the_documented_defaults(self):
+        for option, described in properties("VolumeRequest").items():
+            if "default" in described:
+                given = self.pose("/sample", {**self.BODY, option: described["default"]})
+                self.assertEqual(comparable(given.body), comparable(self.pose("/sample", self.BODY).body))
+
+
 class Formats(ContractCase):
     def test_match_the_document(self):
         for path, name in SCHEMAS.items():
@@ -481,9 +506,14 @@ class Formats(ContractCase):
             words = properties("SurfaceOptions")["format"]["enum"] if path == "/sample" else ()
             words = [word for word in words if word not in properties(name)["format"]["enum"]]
             for_meshes = [self.ask(f"/sample?sites=9&mesh=true&format={word}", data=MESH).type for word in words]
-            self.assertEqual(sorted(made + for_devices + for_meshes), sorted(content))
+            words = properties("VolumeRequest")["format"]["enum"][4:] if path == "/sample" else ()
+            space = {**VolumeRequests.BODY, "sites": 200, "mesh": True}
+            in_space = [self.pose(path, {**space, "format": word}).type for word in words]
+            self.assertEqual(sorted(made + for_devices + for_meshes + in_space), sorted(content))
             body = {option: value for option, value in given.items() if option != "format"}
-            for media in set(content) - set(for_meshes):
+            for media in in_space:
+                self.assertEqual(self.pose(path, space, "--header", "Accept: " + media).type, media)
+            for media in set(content) - set(for_meshes) - set(in_space):
                 answer = self.pose(path, device if media in for_devices else body, "--header", "Accept: " + media)
                 self.assertEqual(answer.type.split(";")[0], media)
             for media in for_meshes:

@@ -181,6 +181,25 @@ TEST(VolumeSample, WritesTetrahedraThatFillTheDomain) {
     }
 }
 
+TEST(VolumeSample, SortsPointsByRankInAProgressiveOrder) {
+    const std::string request = "{\"sites\":80,\"mesh\":true,\"quality\":\"draft\"," + kBox;
+    const Json placed = json_of(answer(request + '}')),
+               ordered = json_of(answer(request + R"(,"order":"progressive"})"));
+    EXPECT_FALSE(placed.contains("rank"));
+    EXPECT_TRUE(ordered.at("points") != placed.at("points"));
+    const auto vertices_of = [](const Json& json) {
+        const Json& list = json.at("mesh").at("vertices");
+        return std::set<Json>(list.begin(), list.end());
+    };
+    EXPECT_TRUE(vertices_of(ordered) == vertices_of(placed));
+    for (std::size_t i = 0; i < 80; ++i) {
+        EXPECT_EQ(ordered.at("rank").at(i), i);
+        for (std::size_t k = 0; k < 3; ++k)
+            EXPECT_NEAR(ordered.at("mesh").at("vertices").at(i).at(k), ordered.at("points").at(i).at(k), 1e-9);
+    }
+    EXPECT_NEAR(volume_of(points_of(ordered.at("mesh").at("vertices")), ordered.at("mesh").at("tetrahedra")), 2, 1e-9);
+}
+
 TEST(VolumeSample, RefusesToSpreadATinyTorusInSpace) {
     const std::string request = "{\"sites\":2,\"mesh\":true," + kTorus;
     EXPECT_TRUE(answer(request + '}'));
@@ -257,11 +276,11 @@ TEST(VolumeSample, SpreadsPointsAtTheEndsOfTheirRanges) {
         const std::string sides = R"("width":)" + std::string(side) + R"(,"height":)" + side + R"(,"depth":)" + side;
         for (const auto* type : {"box", "torus"}) {
             for (const auto* sites : {"1", "30"}) {
-                const std::string body =
-                    R"({"sites":)" + std::string(sites) + R"(,"domain":{"type":")" + type + "\"," + sides + "}}";
+                const std::string body = R"({"order":"progressive","sites":)" + std::string(sites) +
+                                         R"(,"domain":{"type":")" + type + "\"," + sides + "}}";
                 const Json json = json_of(answer(body));
                 for (const auto& [x, y, z] : points_of(json.at("points"))) {
-                    const double limit = std::stod(side);
+                    const double limit = Json::parse(side);
                     EXPECT_TRUE(x >= 0 && x <= limit && y >= 0 && y <= limit && z >= 0 && z <= limit) << body;
                 }
             }

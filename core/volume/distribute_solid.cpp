@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/volume/distribute_solid.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/volume/solid_domain.h"
+
+namespace ccdt {
+
+namespace {
+
+// Cells of the grid by which the solid is measured.
+constexpr double kCellsPerSite = 12, kFewestCells = 1 << 17;
+
+/// Returns the density in each cell of a grid, 0 outside the solid, relative to the mean over the bounding box.
+std::vector<double> densities_inside(Solid::Coverage coverage, const VoxelDensity& density) {
+    std::vector<double> values = std::move(coverage.shares);
+    if (density.is_uniform()) return values;
+    const auto [columns, rows, layers] = coverage.cells;
+    const Point3 cell{1.0 / static_cast<double>(columns), 1.0 / static_cast<double>(rows),
+                      1.0 / static_cast<double>(layers)};
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (values[i] == 0) continue;
+        const auto x = static_cast<double>(i % columns), y = static_cast<double>(i / columns % rows),
+                   z = static_cast<double>(i / columns / rows);
+        const Box3 box{
+            {x * cell.x, y * cell.y, z * cell.z},
+            {std::min(1.0, (x + 1) * cell.x), std::min(1.0, (y + 1) * cell.y), std::min(1.0, (z + 1) * cell.z)}};
+        values[i] *= density.mass(box) * static_cast<double>(values.size());
+    }
+    return values;
+}
+
+/// A solid as a domain, and the density, which is 0 outside the solid.
+struct Inside {
+    SolidDomain domain;
+    VoxelDensity density;
+};
+
+Result<Inside> measure(const Solid& solid, const VoxelDensity& density, double cells) {
+    Solid::Coverage coverage = solid.coverage(cells);
+    SolidDomain domain(solid, coverage);
+    const auto grid = coverage.cells;
+    const std::vector<double> values = densities_inside(std::move(coverage), density);
+    const Point3 sides = domain.sides;
+    domain.set_volume(std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size()) *
+                      sides.x * sides.y * sides.z);
+    auto inside = VoxelDensity::create(grid, values);
+    if (!inside) return tl::unexpected(inside.error());
+    return Inside{std::move(domain), std::move(*inside)};
+}
+
+}  // namespace
+
+Result<VolumeDistribution> distribute_in_solid(const Solid& solid, const VoxelDensity& density,
+                                               const VolumeOptions& options, const Control& control) {
+    if (auto checked = check_sites(options); !checked) return tl::unexpected(checked.error());
+    const Surface& surface = solid.surface();
+    std::vector<Point3> fixed;
+    for (std::size_t i = 0; i < options.fixed.size(); ++i) {
+        if (!solid.contains(options.fixed[i]))
+            return failure(ErrorCode::Malformed, "a fixed point must be inside the solid",
+                           "fixed/" + std::to_string(i));
+        fixed.push_back(surface.from_input(options.fixed[i]));
+    }
+    const auto points = static_cast<double>(options.sites + fixed.size());
+    auto inside = measure(solid, density, std::max(kFewestCells, kCellsPerSite * points));
+    if (!inside) return failure(ErrorCode::Unusable, "the density is 0 everywhere in the solid", "density");
+    VolumeDistribution result =
+        construct_volume(inside->domain, density, std::move(inside->density), options, fixed, control);
+    for (Point3& p : result.points) p = surface.to_input(p);
+    if (result.mesh) {
+        for (Point3& p : result.mesh->vertices) p = surface.to_input(p);
+    }
+    return result;
+}
+
+}  // namespace ccdt

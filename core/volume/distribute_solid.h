@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "core/ccdt/distribution.h"
+#include "core/result.h"
+#include "core/volume/solid.h"
+#include "core/volume/volume_construction.h"
+#include "core/volume/voxel_density.h"
+
+namespace ccdt {
+
+/// Distributes sites in a solid, as distribute_in_volume() does in a box. The coordinates of points are those of the
+/// soup.
+///
+/// @param density  over the bounding box of the solid
+/// @param control  a stop returns the current sites, which is not an error
+///
+/// Errors: Malformed if the number of sites is out of range or a fixed point is not inside; Unusable if the density is
+/// 0 everywhere in the solid. Deterministic for any number of threads. O(n log n) for n = sites + faces.
+Result<VolumeDistribution> distribute_in_solid(const Solid& solid, const VoxelDensity& density,
+                                               const VolumeOptions& options, const Control& control = {});
+
+}  // namespace ccdt

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/volume/solid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <sstream>
+#include <utility>
+
+#include "core/volume/voxel_density.h"
+
+namespace ccdt {
+
+namespace {
+
+constexpr double kMostColumns = 1024;      ///< columns along an axis
+constexpr double kListsPerFace = 16;       ///< most lists that contain a face, on average
+constexpr double kMeasureCells = 1 << 18;  ///< cells by which the volume is measured
+constexpr double kLeastVolume = 1e-15;     ///< of a solid, in the unit frame
+
+std::string text(Point3 p) {
+    std::ostringstream stream;
+    stream << '(' << p.x << ", " << p.y << ", " << p.z << ')';
+    return stream.str();
+}
+
+/// Returns twice the area of a triangle projected along x; positive if its normal has the direction of x.
+double projected_area(Point3 a, Point3 b, Point3 c) {
+    return (b.y - a.y) * (c.z - a.z) - (b.z - a.z) * (c.y - a.y);
+}
+
+/// Returns by how much an edge adds to the winding number of a polygon around a point, in the projection along x: 1 or
+/// -1 if the edge crosses the line from the point along y. The edge in the other direction adds exactly the opposite,
+/// so the sum over a closed surface is right in spite of rounding.
+int edge_winding(Point3 from, Point3 to, Point3 p) {
+    const bool up = from.z <= p.z;
+    if (up == (to.z <= p.z)) return 0;
+    const Point3 low = up ? from : to, high = up ? to : from;
+    if (!(projected_area(low, high, p) > 0)) return 0;
+    return up ? 1 : -1;
+}
+
+/// Returns the place where the line through p along x meets the plane of a triangle, within the triangle's extent.
+double crossing(const std::array<Point3, 3>& triangle, Point3 p) {
+    const auto& [a, b, c] = triangle;
+    const double u = projected_area(p, b, c), v = projected_area(p, c, a), w = projected_area(p, a, b);
+    const double sum = u + v + w, x = sum != 0 ? (u * a.x + v * b.x + w * c.x) / sum : a.x;
+    return std::clamp(x, std::min({a.x, b.x, c.x}), std::max({a.x, b.x, c.x}));
+}
+
+using Polygon3 = std::vector<Point3>;
+
+/// Cuts a convex polygon by a plane perpendicular to an axis.
+void split(const Polygon3& polygon, std::size_t axis, double plane, Polygon3& below, Polygon3& above) {
+    below.clear();
+    above.clear();
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+        const Point3 a = polygon[i], b = polygon[i + 1 < polygon.size() ? i + 1 : 0];
+        const double from = along(a, axis) - plane, to = along(b, axis) - plane;
+        if (from <= 0) below.push_back(a);
+        if (from >= 0) above.push_back(a);
+        if (from * to < 0) {
+            Point3 middle = a + from / (from - to) * (b - a);
+            along(middle, axis) = plane;
+            below.push_back(middle);
+            above.push_back(middle);
+        }
+    }
+}
+
+/// Calls visit(piece, cell) for the pieces of a convex polygon in the cells of a grid along an axis.
+/// @param polygon  in units of cells; at least 3 points
+template <class Visit>
+void for_pieces(const Polygon3& polygon, std::size_t axis, std::size_t cells, Visit&& visit) {
+    double low = along(polygon[0], axis), high = low;
+    for (const Point3 p : polygon) {
+        low = std::min(low, along(p, axis));
+        high = std::max(high, along(p, axis));
+    }
+    const double end = static_cast<double>(cells) - 1;
+    const auto first = static_cast<std::size_t>(std::clamp(std::floor(low), 0.0, end));
+    const auto last = static_cast<std::size_t>(std::clamp(std::floor(high), 0.0, end));
+    if (first == last) return visit(polygon, first);
+    Polygon3 rest = polygon, piece, above;
+    for (std::size_t cell = first; cell < last; ++cell) {
+        split(rest, axis, static_cast<double>(cell + 1), piece, above);
+        if (piece.size() > 2) visit(piece, cell);
+        rest.swap(above);
+    }
+    if (rest.size() > 2) visit(rest, last);
+}
+
+}  // namespace
+
+Result<Solid> Solid::create(Surface surface) {
+    for (std::uint32_t face = 0; face < surface.face_count(); ++face) {
+        const auto places = surface.places(face);
+        for (std::uint32_t side = 0; side < 3; ++side) {
+            if (surface.twin(4 * face + side) != Surface::kNone) continue;
+            return failure(ErrorCode::Unusable, "the surface is open: only one triangle has the edge from " +
+                                                    text(surface.to_input(places[side])) + " to " +
+                                                    text(surface.to_input(places[(side + 1) % 3])));
+        }
+    }
+    Solid solid(std::move(surface));
+    const Coverage coverage = solid.coverage(kMeasureCells);
+    const Point3 sides = solid.sides_;
+    solid.volume_ = coverage.sum() / static_cast<double>(coverage.shares.size()) * (sides.x * sides.y * sides.z);
+    if (!(solid.volume_ > kLeastVolume) || !solid.find_interior())
+        return failure(ErrorCode::Unusable, "the surface encloses no volume");
+    return solid;
+}
+
+Solid::Solid(Surface surface) : surface_(std::move(surface)) {
+    Box3 box{surface_.vertex(0), surface_.vertex(0)};
+    for (std::uint32_t v = 0; v < surface_.vertex_count(); ++v) {
+        const Point3 p = surface_.vertex(v);
+        box = bounds_of(std::array{box.min, box.max, p});
+    }
+    sides_ = box.max;
+    bounds_ = {surface_.to_input(box.min), surface_.to_input(box.max)};
+    orient_shells();
+    list_columns();
+}
+
+double Solid::volume() const {
+    const double scale = surface_.scale();
+    return volume_ * scale * scale * scale;
+}
+
+void Solid::orient_shells() {
+    std::vector<double> turned(surface_.component_count(), 0);
+    for (std::uint32_t face = 0; face < surface_.face_count(); ++face)
+        turned[surface_.component(face)] += surface_.is_turned(face) ? 1 : -1;
+    for (const double surplus : turned) inverted_.push_back(surplus > 0);
+}
+
+std::size_t Solid::column(double v, std::size_t axis) const {
+    const double side = axis == 0 ? sides_.y : sides_.z, count = static_cast<double>(columns_[axis]);
+    return side > 0 ? static_cast<std::size_t>(std::clamp(v / side * count, 0.0, count - 1)) : 0;
+}
+
+void Solid::list_columns() {
+    struct Range {
+        std::size_t first_y, last_y, first_z, last_z;
+    };
+    const auto range_of = [&](std::uint32_t face) {
+        const Box3 box = bounds_of(surface_.places(face));
+        return Range{column(box.min.y, 0), column(box.max.y, 0), column(box.min.z, 1), column(box.max.z, 1)};
+    };
+    const auto faces = static_cast<std::uint32_t>(surface_.face_count());
+    double along_axis = std::clamp(std::sqrt(static_cast<double>(faces)), 1.0, kMostColumns);
+    // Long faces can have many columns. Fewer, wider columns then limit the memory.
+    for (double total = 0;; along_axis /= 2) {
+        const auto count = static_cast<std::size_t>(std::max(1.0, along_axis));
+        columns_ = {count, count};
+        total = 0;
+        for (std::uint32_t face = 0; face < faces; ++face) {
+            const Range range = range_of(face);
+            total += static_cast<double>((range.last_y - range.first_y + 1) * (range.last_z - range.first_z + 1));
+        }
+        if (count == 1 || total <= kListsPerFace * faces) break;
+    }
+    const auto for_columns = [&](std::uint32_t face, auto&& function) {
+        const Range range = range_of(face);
+        for (std::size_t z = range.first_z; z <= range.last_z; ++z) {
+            for (std::size_t y = range.first_y; y <= range.last_y; ++y) function(z * columns_[0] + y);
+        }
+    };
+    begins_.assign(columns_[0] * columns_[1] + 1, 0);
+    for (std::uint32_t face = 0; face < faces; ++face) for_columns(face, [&](std::size_t at) { ++begins_[at]; });
+    std::partial_sum(begins_.begin(), begins_.end(), begins_.begin());
+    faces_.resize(begins_.back());
+    for (std::uint32_t face = faces; face-- > 0;)
+        for_columns(face, [&](std::size_t at) { faces_[--begins_[at]] = face; });
+}
+
+/// Calls function(x, step) for each face that the line through p along x crosses. On the way in the direction of x, the
+/// winding number decreases by `step` at x.
+template <class Function>
+void Solid::for_crossings(Point3 p, Function&& function) const {
+    const std::size_t at = column(p.z, 1) * columns_[0] + column(p.y, 0);
+    for (std::uint32_t k = begins_[at]; k < begins_[at + 1]; ++k) {
+        const auto places = surface_.places(faces_[k]);
+        const auto& [a, b, c] = places;
+        const int turns = edge_winding(a, b, p) + edge_winding(b, c, p) + edge_winding(c, a, p);
+        if (turns != 0) function(crossing(places, p), inverted_[surface_.component(faces_[k])] ? -turns : turns);
+    }
+}
+
+bool Solid::holds(Point3 p) const {
+    if (!(p.x >= 0 && p.y >= 0 && p.z >= 0 && p.x <= sides_.x && p.y <= sides_.y && p.z <= sides_.z)) return false;
+    int winding = 0;
+    for_crossings(p, [&](double x, int step) { winding += x > p.x ? step : 0; });
+    return winding != 0;
+}
+
+/// Finds the middle of the longest part inside of the line along x through the middle of the widest face.
+bool Solid::find_interior() {
+    Point3 middle;
+    double widest = 0;
+    for (std::uint32_t face = 0; face < surface_.face_count(); ++face) {
+        const auto [a, b, c] = surface_.places(face);
+        const double width = std::abs(projected_area(a, b, c));
+        if (width <= widest) continue;
+        widest = width;
+        middle = 1. / 3 * (a + b + c);
+    }
+    std::vector<std::pair<double, int>> crossings;
+    for_crossings(middle, [&](double x, int step) { crossings.emplace_back(x, step); });
+    std::ranges::sort(crossings);
+    double longest = 0;
+    int winding = 0;
+    for (std::size_t i = 1; i < crossings.size(); ++i) {
+        winding -= crossings[i - 1].second;
+        const double from = crossings[i - 1].first, to = crossings[i].first;
+        if (winding == 0 || to - from <= longest) continue;
+        longest = to - from;
+        interior_ = {(from + to) / 2, middle.y, middle.z};
+    }
+    return longest > 0 && holds(interior_);
+}
+
+double Solid::Coverage::sum() const {
+    return std::accumulate(shares.begin(), shares.end(), 0.0);
+}
+
+Solid::Coverage Solid::coverage(double count) const {
+    Coverage result;
+    // A flat box has a single layer of cells.
+    const double cell =
+        std::max({std::cbrt(sides_.x * sides_.y * sides_.z / count), std::sqrt(sides_.x * sides_.y / count),
+                  std::sqrt(sides_.y * sides_.z / count), std::sqrt(sides_.z * sides_.x / count)});
+    Point3 per_length;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double side = along(sides_, axis), cells = std::max(1.0, std::round(side / cell));
+        result.cells[axis] = static_cast<std::size_t>(cells);
+        along(per_length, axis) = side > 0 ? cells / side : 0;
+    }
+    const auto [columns, rows, layers] = result.cells;
+    std::vector<double>& shares = result.shares;
+    shares.assign(columns * rows * layers, 0);
+    result.crossed.assign(shares.size(), false);
+    Polygon3 polygon;
+    for (std::uint32_t face = 0; face < surface_.face_count(); ++face) {
+        polygon.clear();
+        for (const Point3 p : surface_.places(face))
+            polygon.push_back({p.x * per_length.x, p.y * per_length.y, p.z * per_length.z});
+        const double sign = inverted_[surface_.component(face)] ? -0.5 : 0.5;
+        for_pieces(polygon, 2, layers, [&, rows = rows, columns = columns](const Polygon3& slice, std::size_t z) {
+            for_pieces(slice, 1, rows, [&](const Polygon3& bar, std::size_t y) {
+                for_pieces(bar, 0, columns, [&](const Polygon3& piece, std::size_t x) {
+                    const std::size_t at = (z * rows + y) * columns + x;
+                    result.crossed[at] = true;
+                    for (std::size_t i = 2; i < piece.size(); ++i) {
+                        const double area = sign * projected_area(piece[0], piece[i - 1], piece[i]);
+                        const double within = (piece[0].x + piece[i - 1].x + piece[i].x) / 3 - static_cast<double>(x);
+                        shares[at] += area * within;
+                        if (x > 0) shares[at - 1] += area * (1 - within);
+                    }
+                });
+            });
+        });
+    }
+    // So far, a cell has the change of the winding number towards the next cell. Sums give the winding number.
+    constexpr double kRounding = 1e-9;
+    for (std::size_t line = 0; line < rows * layers; ++line) {
+        double winding = 0;
+        for (std::size_t x = columns; x-- > 0;) {
+            double& share = shares[line * columns + x];
+            winding += share;
+            const double size = std::abs(winding);
+            share = size < kRounding ? 0 : size > 1 - kRounding ? 1 : size;
+        }
+    }
+    return result;
+}
+
+}  // namespace ccdt

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry/point3.h"
+#include "core/result.h"
+#include "core/surface/surface.h"
+
+namespace ccdt {
+
+/// The inside of a closed surface: all points around which the surface winds, in either direction.
+///
+/// A surface may consist of several shells, which are components that no edge joins. Shells may overlap. Each has the
+/// orientation that most of its triangles had in the soup. So a cavity is a shell inside another one that is oriented
+/// the other way.
+class Solid {
+public:
+    /// Makes a solid. O(faces).
+    /// @param surface  with any creases
+    ///
+    /// Errors: Unusable if the surface is open (names a border edge) or encloses no volume.
+    static Result<Solid> create(Surface surface);
+
+    const Surface& surface() const { return surface_; }
+
+    /// The bounding box, in the coordinates of the soup.
+    const Box3& bounds() const { return bounds_; }
+    /// The volume, in the coordinates of the soup. May be infinite or 0 if coordinates are not of ordinary size.
+    double volume() const;
+    /// The share of the bounding box that is inside, in (0, 1].
+    double share() const { return volume_ / (sides_.x * sides_.y * sides_.z); }
+    /// Whether a point in the coordinates of the soup is inside. Returns false if a coordinate is not a number.
+    bool contains(Point3 p) const { return holds(surface_.from_input(p)); }
+
+    /// Sides of the bounding box in the unit frame of the surface, where it has a corner at the origin.
+    Point3 sides() const { return sides_; }
+    /// Whether a point in the unit frame is inside. Several threads may call it at once. Exact except for rounding
+    /// errors of the distance to the surface, also if the point lies in the plane of an edge. Usually O(sqrt(faces)).
+    bool holds(Point3 p) const;
+
+    /// A point inside, in the unit frame.
+    Point3 interior() const { return interior_; }
+
+    /// Shares of the cells of a grid over the bounding box that are inside.
+    struct Coverage {
+        std::array<std::size_t, 3> cells{};
+        std::vector<double> shares;  ///< [z][y][x] in [0, 1]
+        std::vector<bool> crossed;   ///< [z][y][x] whether the surface may cross the cell
+
+        double sum() const;
+    };
+
+    /// Computes the coverage of a grid. It is exact, except in cells where surfaces cross each other.
+    /// @param count  wanted number of cells, which are nearly cubes
+    ///
+    /// O(cells + faces + cells crossed by each face).
+    Coverage coverage(double count) const;
+
+private:
+    explicit Solid(Surface surface);
+
+    template <class Function>
+    void for_crossings(Point3 p, Function&& function) const;
+    void orient_shells();
+    void list_columns();
+    bool find_interior();
+    std::size_t column(double v, std::size_t axis) const;
+
+    Surface surface_;
+    Point3 sides_;
+    Box3 bounds_;
+    double volume_ = 0;  ///< in the unit frame
+    Point3 interior_;
+    std::vector<bool> inverted_;  ///< [components] whether the faces were turned over
+    /// A grid on the yz plane. Each cell lists the faces whose projection along x may meet it.
+    std::array<std::size_t, 2> columns_{};
+    std::vector<std::uint32_t> begins_;  ///< [z][y] of each cell, and the end
+    std::vector<std::uint32_t> faces_;   ///< lists of all cells
+};
+
+}  // namespace ccdt

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/geometry/point3.h"
+#include "core/volume/box_domain3.h"
+#include "core/volume/solid.h"
+
+namespace ccdt {
+
+/// A solid in the unit frame of its surface, as a domain of sites. Has the members of BoxDomain3. Copies are cheap.
+class SolidDomain {
+public:
+    static constexpr bool periodic = false;
+
+    /// @param solid  must outlive this object
+    SolidDomain(const Solid& solid, const Solid::Coverage& coverage);
+
+    /// Sets the integral over the solid of the density, relative to the mean density of the bounding box.
+    void set_volume(double volume) { volume_ = volume; }
+
+    Point3 sides;  ///< of the bounding box
+
+    BoxDomain3 box() const { return {sides, false}; }
+    double volume() const { return volume_; }
+    bool contains(Point3 p) const;
+    Point3 interior() const { return solid_->interior(); }
+    /// Returns the nearest point in the bounding box.
+    Point3 in_box(Point3 p) const;
+
+    /// Returns the place where a move ends: `to` if it is inside, or else its mirror image at the nearest point of the
+    /// surface. If that is not inside either, as in thin parts, the move becomes shorter.
+    /// @param from  inside
+    Point3 moved(Point3 from, Point3 to) const;
+
+    /// Returns the nearest point of the surface.
+    Point3 foot(Point3 p) const { return solid_->surface().place(solid_->surface().nearest(p)); }
+    /// Returns a distance that a point surely has from the surface. O(1).
+    double clearance(Point3 p) const;
+
+    /// Calls function(copy, is_original) for a point and its copy. The copy is the mirror image at the nearest point of
+    /// the surface, unless this image is inside, as if there is a narrow gap.
+    /// @param p         inside
+    /// @param distance  largest distance of the copy from the surface
+    template <class Function>
+    void for_copies(Point3 p, double distance, Function&& function) const {
+        function(p, true);
+        if (clearance(p) > distance) return;
+        const Point3 step = foot(p) - p;
+        if (length(step) > distance) return;
+        if (const Point3 image = p + 2 * step; !contains(image)) function(image, false);
+    }
+
+private:
+    /// Distances from the surface, in cells of a grid that has a margin of one cell.
+    struct Depths {
+        std::array<std::size_t, 3> cells{};
+        Point3 per_length;
+        double cell = 0;                ///< shortest side of a cell
+        std::vector<std::int8_t> grid;  ///< [z][y][x] cells to the nearest cell that the surface crosses; < 0 outside
+
+        std::size_t index(Point3 p) const;
+    };
+
+    const Solid* solid_;
+    double volume_ = 0;
+    std::shared_ptr<const Depths> depths_;
+};
+
+}  // namespace ccdt

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "core/geometry/delaunay3.h"
+#include "core/geometry/point3.h"
+
+namespace ccdt {
+
+/// Tetrahedra that fill a domain. On a torus, corners of a tetrahedron may belong to neighbouring periodic copies.
+struct TetrahedronMesh {
+    std::vector<Point3> vertices;  ///< points, then in a box or solid the vertices on its surface
+    std::vector<Tetrahedron> tetrahedra;
+};
+
+}  // namespace ccdt

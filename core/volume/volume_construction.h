@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/ccdt/distribution.h"
+#include "core/geometry/point3.h"
+#include "core/result.h"
+#include "core/volume/tetrahedron_mesh.h"
+#include "core/volume/voxel_density.h"
+
+namespace ccdt {
+
+struct VolumeOptions {
+    static constexpr std::size_t kMostSites = std::size_t{1} << 31;
+
+    std::size_t sites = 0;   ///< 1 to kMostSites
+    std::uint64_t seed = 0;  ///< [0, 2^53)
+    /// Stealthy removes all power below half the principal frequency on a torus of uniform density without fixed
+    /// points. For other domains, it is the same as Best.
+    Quality quality = Quality::Standard;
+    bool keep_mesh = false;  ///< whether to fill VolumeDistribution::mesh
+    /// Existing points in the domain, which do not move and are not among the sites. Sites keep the same distance from
+    /// them as from each other. Each takes as much space as a site.
+    std::vector<Point3> fixed = {};
+};
+
+struct VolumeDistribution {
+    std::vector<Point3> points;  ///< [sites] in the domain; in a box or solid, strictly inside
+    /// Capacity variation of the tetrahedra before each relaxation: standard deviation over mean.
+    std::vector<double> trace;
+    bool stopped = false;                   ///< whether a stop ended the computation early; there is no mesh then
+    std::optional<TetrahedronMesh> mesh;    ///< its vertices are the points, the fixed points, then others
+    std::vector<std::uint32_t> ranks = {};  ///< [points] rank of each point in a progressive order; may be empty
+};
+
+/// Errors: Malformed if the number of sites is out of range.
+Result<void> check_sites(const VolumeOptions& options);
+
+/// Distributes sites in a domain whose longest side is 1: see distribute_in_volume().
+/// @tparam Domain  BoxDomain3 or SolidDomain
+/// @param density  over the bounding box of the domain
+/// @param inside   the same, but 0 outside the domain; none if the domain is its bounding box
+/// @param fixed    the fixed points, in the domain's coordinates
+template <class Domain>
+VolumeDistribution construct_volume(const Domain& domain, const VoxelDensity& density,
+                                    std::optional<VoxelDensity> inside, const VolumeOptions& options,
+                                    std::span<const Point3> fixed, const Control& control);
+
+}  // namespace ccdt
