@@ -77,7 +77,9 @@ def measure(values):
     """Returns rows of numbers, each with its name."""
     depth, side = values.shape[:2]
     frequency = numpy.hypot(*numpy.meshgrid(*2 * [numpy.fft.fftfreq(side)]))
-    rows = {"frames, below 0.25": [], "frames, below 0.5": [], "time": []}
+    rows = {"frames, below 0.25": [], "frames, below 0.5": []}
+    if depth > 1:
+        rows["time"] = []
     for share in SHARES:
         below = values < share
         rarer = min(share, 1 - share)
@@ -86,6 +88,8 @@ def measure(values):
         for limit in (0.25, 0.5):
             low = (frequency > 0) & (frequency < limit * rarer ** 0.5)
             rows[f"frames, below {limit}"].append(power[low].mean())
+        if depth == 1:
+            continue
         in_time = (numpy.abs(numpy.fft.rfft(below - share, axis=0)) ** 2).mean((1, 2)) / (depth * share * (1 - share))
         slow = int(depth * min(rarer / 4, 1 / 8))
         rows["time"].append(in_time[1:slow + 1].mean() if slow > 0 else numpy.nan)
