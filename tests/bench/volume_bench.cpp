@@ -96,7 +96,7 @@ double least_dihedral_angle(const std::array<Point3, 4>& corners) {
 /// Returns the smallest dihedral angles of all tetrahedra of a mesh on the torus, sorted.
 std::vector<double> dihedral_angles(std::span<const Point3> points) {
     const VolumeSpacing spacing(kTorus, VoxelDensity::uniform(), points.size(), inline_executor());
-    const TetrahedronMesh mesh = volume_mesh(kTorus, spacing, points, {});
+    const TetrahedronMesh mesh = volume_mesh(kTorus, spacing, points, points.size(), {});
     std::vector<double> angles;
     for (const Tetrahedron& tetrahedron : mesh.tetrahedra) {
         std::array<Point3, 4> corners;
