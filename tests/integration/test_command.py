@@ -13,7 +13,9 @@ import subprocess
 import tempfile
 import time
 import unittest
+import urllib.parse
 
+import numpy
 from PIL import Image
 
 from harness import PATIENCE, PICTURES, POLYGONS, ROOT, ServerCase, data_uri, execute, pixels, post_json, wait_until
