@@ -263,6 +263,7 @@ TEST(VolumeSample, NamesTheFieldOfErrors) {
         {json(kBox + R"(,"fixed":[[1,0.5,0.5],[1,2,0.5]])"), {}, ErrorCode::Malformed, "/fixed/1"},
         {json(kBox + R"(,"fixed":[[1,0.5]])"), {}, ErrorCode::Malformed, "/fixed/0"},
         {json(kBox + R"(,"quality":"stealthy")"), {}, ErrorCode::Malformed, "/quality"},
+        {json(kTorus + R"(,"quality":"stealthy")"), {}, ErrorCode::Malformed, "/quality"},
         {json(kBox + R"(,"format":"msh")"), {}, ErrorCode::Malformed, "/mesh"},
         {json(kBox + R"(,"format":"stl")"), {}, ErrorCode::Malformed, "/format"},
         {json(kBox + R"(,"order":"path")"), {}, ErrorCode::Malformed, "/order"},
