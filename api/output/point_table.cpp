@@ -7,12 +7,12 @@
 #include <string_view>
 
 #include "api/output/npy_header.h"
+#include "api/output/records.h"
 #include "api/text/numbers.h"
 
 namespace ccdt::api {
 namespace {
 
-constexpr std::size_t kStopStride = 4'096;     ///< points between two checks of the stop token
 constexpr std::size_t kTypicalLineBytes = 40;  ///< two numbers with 18 characters each, a comma and a line break
 constexpr std::size_t kTypicalNameBytes = 8;   ///< usual number of bytes of an ink's name and a comma
 
@@ -44,12 +44,11 @@ void write_npy_header(std::size_t rows, std::size_t columns, Body& body) {
 template <class Rest>
 void write_rows(Body& body, std::span<const Point> points, std::size_t columns, Rest rest,
                 const std::stop_token& stop) {
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        if (i % kStopStride == 0 && (!body.flush() || stop.stop_requested())) break;
+    write_records(points.size(), body, stop, [&](std::size_t i) {
         const auto [third, fourth, fifth] = rest(i);
         const std::array<double, 5> row = {points[i].x, points[i].y, third, fourth, fifth};
         body.text().append(reinterpret_cast<const char*>(row.data()), columns * sizeof(double));
-    }
+    });
 }
 
 /// Returns the inks of the ground below a dot, as bits.
@@ -73,9 +72,9 @@ void write_two_sides(const PointSet& kinds, Body& body, const std::stop_token& s
     std::string& out = body.text();
     out.append("x,y,radius,").append(named ? "flips,ground" : "side").append("\r\n");
     for (const InkDots& kind : kinds.layers) {
-        const auto& [dots, flips, grounds] = *kind.two_sides;
-        for (std::size_t i = 0; i < dots.radii.size(); ++i) {
-            if (i % kStopStride == 0 && (!body.flush() || stop.stop_requested())) break;
+        const auto& dots = kind.two_sides->dots;
+        const auto& grounds = kind.two_sides->grounds;
+        write_records(dots.radii.size(), body, stop, [&](std::size_t i) {
             append_shortest(out, kind.dots.points[i].x);
             out += ',';
             append_shortest(out, kind.dots.points[i].y);
@@ -90,7 +89,7 @@ void write_two_sides(const PointSet& kinds, Body& body, const std::stop_token& s
                 out += dots.white[i] != 0 ? ",ink" : ",paper";
             }
             out += "\r\n";
-        }
+        });
     }
 }
 

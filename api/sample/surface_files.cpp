@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <span>
 #include <string>
@@ -13,31 +14,12 @@
 #include <utility>
 #include <vector>
 
-#include "api/image/srgb.h"
 #include "api/output/json_pieces.h"
 #include "api/output/records.h"
 #include "api/text/numbers.h"
 
 namespace ccdt::api {
 namespace {
-
-Point3 point_of(const std::array<double, 3>& values) {
-    return {values[0], values[1], values[2]};
-}
-
-Point3 colour_of(const PlacedSurface& placed, std::size_t i) {
-    const auto [r, g, b] = placed.colour(i);
-    return {static_cast<double>(r), static_cast<double>(g), static_cast<double>(b)};
-}
-
-/// Appends declarations of properties of a PLY file that have the same type.
-void declare(std::string& out, std::string_view type, std::initializer_list<std::string_view> names) {
-    for (const auto name : names) out.append("property ").append(type).append(" ").append(name).append("\n");
-}
-
-std::string ply_header(std::size_t vertices) {
-    return "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(vertices) + "\n";
-}
 
 /// Appends `,"name":[x,y,z]`, with numbers rounded to 32-bit floats.
 void append_triple_member(std::string& out, std::string_view name, const Point3& p) {
@@ -88,135 +70,100 @@ private:
 
 /// Array of a glTF file, in a buffer view of its own.
 struct GlbArray {
-    std::string_view attribute;  ///< name of the vertex attribute; empty for the indices of triangles
-    std::string_view type;       ///< type of the elements
-    std::size_t elements;        ///< number of vertices or triangles
-    std::size_t bytes;           ///< size of an element, a multiple of 4
+    std::string_view attribute;                 ///< name of the vertex attribute; empty for the indices of triangles
+    std::string_view type;                      ///< type of the elements
+    std::size_t elements;                       ///< number of vertices or triangles
+    std::size_t bytes;                          ///< size of an element, a multiple of 4
+    std::function<void(std::size_t i)> append;  ///< appends an element to the body
 };
 
-constexpr GlbArray kPosition{"POSITION", "VEC3", 0, 12};
+/// Returns the JSON of a glTF file with one primitive.
+/// @param mode       topology of the primitive: 0 for points, 4 for triangles
+/// @param reference  position to which the stored positions are relative
+std::string describe_glb(int mode, std::span<const GlbArray> arrays, const Bounds& bounds, const Point3& reference) {
+    std::string attributes, indices, accessors, views;
+    std::size_t offset = 0;
+    for (std::uint64_t i = 0; i < arrays.size(); ++i) {
+        const GlbArray& each = arrays[i];
+        const bool is_indices = each.attribute.empty();
+        const std::string number = std::to_string(i), comma = i > 0 ? "," : "";
+        if (is_indices)
+            indices = ",\"indices\":" + number;
+        else
+            attributes.append(comma).append("\"").append(each.attribute).append("\":").append(number);
+        accessors.append(comma).append("{\"bufferView\":").append(number);
+        append_member(accessors, "componentType", std::uint64_t{is_indices ? 5125U : 5126U});  // uint or float
+        append_member(accessors, "count", std::uint64_t{is_indices ? 3 * each.elements : each.elements});
+        accessors.append(",\"type\":\"").append(each.type).append("\"");
+        if (i == 0) {
+            append_triple_member(accessors, "min", bounds.min - reference);
+            append_triple_member(accessors, "max", bounds.max - reference);
+        }
+        accessors += '}';
+        views.append(comma).append("{\"buffer\":0");
+        append_member(views, "byteOffset", std::uint64_t{offset});
+        append_member(views, "byteLength", std::uint64_t{each.elements * each.bytes});
+        append_member(views, "target", std::uint64_t{is_indices ? 34963U : 34962U});  // indices or attributes
+        views += '}';
+        offset += each.elements * each.bytes;
+    }
+    std::string node = "{\"mesh\":0";
+    if (reference != Point3()) {
+        node += ",\"translation\":";
+        append_numbers(node, std::array{reference.x, reference.y, reference.z});
+    }
+    return R"({"asset":{"version":"2.0","generator":"ccdt"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[)" + node +
+           R"(}],"meshes":[{"primitives":[{"attributes":{)" + attributes + '}' + indices +
+           ",\"mode\":" + std::to_string(mode) + R"(}]}],"accessors":[)" + accessors + R"(],"bufferViews":[)" + views +
+           R"(],"buffers":[{"byteLength":)" + std::to_string(offset) + "}]}";
+}
 
 /// Writes a glTF file with one primitive.
-class GlbWriter {
-public:
-    /// @param mode       topology of the primitive: 0 for points, 4 for triangles
-    /// @param positions  returns position i
-    template <class Positions>
-    GlbWriter(int mode, std::vector<GlbArray> arrays, Positions positions) : mode_(mode), arrays_(std::move(arrays)) {
-        for (std::size_t i = 0; i < arrays_.front().elements; ++i) bounds_.include(positions(i));
-        reference_ = bounds_.reference();
-    }
-
-    /// Position to which the stored positions are relative.
-    const Point3& reference() const { return reference_; }
-
-    /// Writes the headers of the file and of its chunks, and the JSON. The content of the arrays must follow.
-    Result<void> begin(Body& body) const {
-        constexpr std::size_t kFileHeader = 12, kChunkHeader = 8, kAlignment = 4;
-        if (auto fits = bounds_.check_floats(reference_); !fits) return fits;
-        std::string json = describe();
-        json.append((kAlignment - json.size() % kAlignment) % kAlignment, ' ');
-        const std::size_t size = kFileHeader + 2 * kChunkHeader + json.size() + content_size();
-        if (size > std::numeric_limits<std::uint32_t>::max())
-            return failure(ErrorCode::LimitExceeded, "a GLB file has at most 4 GiB; choose another format", "format");
-        body.expect(size);
-        std::string& out = body.text();
-        out += "glTF";
-        append_binary(out, std::uint32_t{2});
-        append_binary(out, static_cast<std::uint32_t>(size));
-        append_binary(out, static_cast<std::uint32_t>(json.size()));
-        out.append("JSON").append(json);
-        append_binary(out, static_cast<std::uint32_t>(content_size()));
-        out.append("BIN\0", 4);
-        return {};
-    }
-
-private:
-    std::size_t content_size() const {
-        std::size_t size = 0;
-        for (const GlbArray& each : arrays_) size += each.elements * each.bytes;
-        return size;
-    }
-
-    std::string describe() const {
-        std::string attributes, indices, accessors, views;
-        std::size_t offset = 0;
-        for (std::uint64_t i = 0; i < arrays_.size(); ++i) {
-            const GlbArray& each = arrays_[i];
-            const bool is_indices = each.attribute.empty();
-            const std::string number = std::to_string(i);
-            if (is_indices)
-                indices = ",\"indices\":" + number;
-            else
-                attributes.append(i > 0 ? ",\"" : "\"").append(each.attribute).append("\":").append(number);
-            accessors.append(i > 0 ? ",{" : "{").append("\"bufferView\":").append(number);
-            append_member(accessors, "componentType", std::uint64_t{is_indices ? 5125U : 5126U});  // uint or float
-            append_member(accessors, "count", std::uint64_t{is_indices ? 3 * each.elements : each.elements});
-            accessors.append(",\"type\":\"").append(each.type).append("\"");
-            if (i == 0) {
-                append_triple_member(accessors, "min", bounds_.min - reference_);
-                append_triple_member(accessors, "max", bounds_.max - reference_);
-            }
-            accessors += '}';
-            views.append(i > 0 ? ",{" : "{").append("\"buffer\":0");
-            append_member(views, "byteOffset", std::uint64_t{offset});
-            append_member(views, "byteLength", std::uint64_t{each.elements * each.bytes});
-            append_member(views, "target", std::uint64_t{is_indices ? 34963U : 34962U});  // indices or attributes
-            views += '}';
-            offset += each.elements * each.bytes;
-        }
-        std::string node = "{\"mesh\":0";
-        if (reference_ != Point3()) {
-            node += ",\"translation\":";
-            append_numbers(node, std::array{reference_.x, reference_.y, reference_.z});
-        }
-        return R"({"asset":{"version":"2.0","generator":"ccdt"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[)" + node +
-               R"(}],"meshes":[{"primitives":[{"attributes":{)" + attributes + '}' + indices +
-               ",\"mode\":" + std::to_string(mode_) + R"(}]}],"accessors":[)" + accessors + R"(],"bufferViews":[)" +
-               views + R"(],"buffers":[{"byteLength":)" + std::to_string(offset) + "}]}";
-    }
-
-    int mode_;
-    std::vector<GlbArray> arrays_;
-    Bounds bounds_;
-    Point3 reference_;
-};
+/// @param place   returns the position of a vertex
+/// @param arrays  further arrays, after the positions
+template <class Place>
+Result<void> write_glb(int mode, std::size_t vertices, Place place, std::vector<GlbArray> arrays, Body& body,
+                       const std::stop_token& stop) {
+    constexpr std::size_t kFileHeader = 12, kChunkHeader = 8, kAlignment = 4;
+    Bounds bounds;
+    for (std::size_t i = 0; i < vertices; ++i) bounds.include(place(i));
+    const Point3 reference = bounds.reference();
+    if (auto fits = bounds.check_floats(reference); !fits) return fits;
+    std::string& out = body.text();
+    arrays.insert(arrays.begin(),
+                  {"POSITION", "VEC3", vertices, 12, [&](std::size_t i) { append_floats(out, place(i) - reference); }});
+    std::string json = describe_glb(mode, arrays, bounds, reference);
+    json.append((kAlignment - json.size() % kAlignment) % kAlignment, ' ');
+    std::size_t content = 0;
+    for (const GlbArray& each : arrays) content += each.elements * each.bytes;
+    const std::size_t size = kFileHeader + 2 * kChunkHeader + json.size() + content;
+    if (size > std::numeric_limits<std::uint32_t>::max())
+        return failure(ErrorCode::LimitExceeded, "a GLB file has at most 4 GiB; choose another format", "format");
+    body.expect(size);
+    out += "glTF";
+    append_binary(out, std::uint32_t{2});
+    append_binary(out, static_cast<std::uint32_t>(size));
+    append_binary(out, static_cast<std::uint32_t>(json.size()));
+    out.append("JSON").append(json);
+    append_binary(out, static_cast<std::uint32_t>(content));
+    out.append("BIN\0", 4);
+    for (const GlbArray& each : arrays) write_records(each.elements, body, stop, each.append);
+    return {};
+}
 
 }  // namespace
 
-Result<void> write_ply_points(const PlacedSurface& placed, Body& body, const std::stop_token& stop) {
-    const bool has_colours = placed.has_colours(), has_texture = placed.has_texture();
-    const std::span<const std::uint32_t> ranks = placed.dots.ranks;
-    std::string& out = body.text();
-    out += ply_header(placed.size());
-    declare(out, "double", {"x", "y", "z"});
-    declare(out, "float", {"nx", "ny", "nz"});
-    if (has_colours) declare(out, "uchar", {"red", "green", "blue"});
-    if (has_texture) declare(out, "float", {"s", "t"});
-    declare(out, "uint", {"face"});
-    declare(out, "float", {"barycentric_u", "barycentric_v", "barycentric_w"});
-    if (!ranks.empty()) declare(out, "uint", {"rank"});
-    out += "end_header\n";
-    write_records(placed.size(), body, stop, [&](std::size_t i) {
-        append_doubles(out, placed.place(i));
-        append_floats(out, placed.normal(i));
-        if (has_colours) {
-            for (const float light : placed.colour(i)) append_binary(out, to_srgb(static_cast<double>(light)));
-        }
-        if (has_texture) append_binary(out, placed.texture(i));
-        append_binary(out, placed.face(i));
-        append_floats(out, point_of(placed.weights(i)));
-        if (!ranks.empty()) append_binary(out, ranks[i]);
-    });
-    return {};
+std::string ply_header(std::size_t vertices) {
+    return "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(vertices) + "\n";
 }
 
 Result<void> write_ply_mesh(const PlacedSurface& placed, Body& body, const std::stop_token& stop) {
     const SurfaceMesh& mesh = *placed.dots.mesh;
     std::string& out = body.text();
     out += ply_header(mesh.vertices.size());
-    declare(out, "double", {"x", "y", "z"});
-    out.append("element face ").append(std::to_string(mesh.triangles.size())).append("\n");
+    out.append("property double x\nproperty double y\nproperty double z\nelement face ")
+        .append(std::to_string(mesh.triangles.size()))
+        .append("\n");
     out += "property list uchar int vertex_indices\nend_header\n";
     write_records(mesh.vertices.size(), body, stop, [&](std::size_t i) { append_doubles(out, mesh.vertices[i]); });
     write_records(mesh.triangles.size(), body, stop, [&](std::size_t i) {
@@ -227,37 +174,32 @@ Result<void> write_ply_mesh(const PlacedSurface& placed, Body& body, const std::
 }
 
 Result<void> write_glb_points(const PlacedSurface& placed, Body& body, const std::stop_token& stop) {
-    const std::size_t size = placed.size();
-    std::vector<GlbArray> arrays = {kPosition, {"NORMAL", "VEC3", size, 12}};
-    arrays.front().elements = size;
-    if (placed.has_colours()) arrays.push_back({"COLOR_0", "VEC3", size, 12});
-    if (placed.has_texture()) arrays.push_back({"TEXCOORD_0", "VEC2", size, 8});
-    arrays.push_back({"_FACE", "SCALAR", size, 4});
-    arrays.push_back({"_BARYCENTRIC", "VEC3", size, 12});
-    const GlbWriter writer(0, std::move(arrays), [&](std::size_t i) { return placed.place(i); });
-    if (auto begun = writer.begin(body); !begun) return begun;
     std::string& out = body.text();
-    const auto write = [&](auto append) { write_records(size, body, stop, append); };
-    write([&](std::size_t i) { append_floats(out, placed.place(i) - writer.reference()); });
-    write([&](std::size_t i) { append_floats(out, placed.normal(i)); });
-    if (placed.has_colours()) write([&](std::size_t i) { append_floats(out, colour_of(placed, i)); });
-    if (placed.has_texture()) write([&](std::size_t i) { append_binary(out, placed.texture(i)); });
-    write([&](std::size_t i) { append_binary(out, static_cast<float>(placed.face(i))); });
-    write([&](std::size_t i) { append_floats(out, point_of(placed.weights(i))); });
-    return {};
+    const std::size_t size = placed.size();
+    std::vector<GlbArray> arrays = {
+        {"NORMAL", "VEC3", size, 12, [&](std::size_t i) { append_floats(out, placed.normal(i)); }}};
+    if (placed.has_colours())
+        arrays.push_back({"COLOR_0", "VEC3", size, 12, [&](std::size_t i) { append_binary(out, placed.colour(i)); }});
+    if (placed.has_texture())
+        arrays.push_back(
+            {"TEXCOORD_0", "VEC2", size, 8, [&](std::size_t i) { append_binary(out, placed.texture(i)); }});
+    arrays.push_back(
+        {"_FACE", "SCALAR", size, 4, [&](std::size_t i) { append_binary(out, static_cast<float>(placed.face(i))); }});
+    arrays.push_back({"_BARYCENTRIC", "VEC3", size, 12, [&](std::size_t i) {
+                          const auto [u, v, w] = placed.weights(i);
+                          append_floats(out, {u, v, w});
+                      }});
+    return write_glb(
+        0, size, [&](std::size_t i) { return placed.place(i); }, std::move(arrays), body, stop);
 }
 
 Result<void> write_glb_mesh(const PlacedSurface& placed, Body& body, const std::stop_token& stop) {
     const SurfaceMesh& mesh = *placed.dots.mesh;
-    std::vector<GlbArray> arrays = {kPosition, {"", "SCALAR", mesh.triangles.size(), 12}};
-    arrays.front().elements = mesh.vertices.size();
-    const GlbWriter writer(4, std::move(arrays), [&](std::size_t i) { return mesh.vertices[i]; });
-    if (auto begun = writer.begin(body); !begun) return begun;
-    std::string& out = body.text();
-    write_records(mesh.vertices.size(), body, stop,
-                  [&](std::size_t i) { append_floats(out, mesh.vertices[i] - writer.reference()); });
-    write_records(mesh.triangles.size(), body, stop, [&](std::size_t i) { append_binary(out, mesh.triangles[i]); });
-    return {};
+    return write_glb(
+        4, mesh.vertices.size(), [&](std::size_t i) { return mesh.vertices[i]; },
+        {{"", "SCALAR", mesh.triangles.size(), 12,
+          [&](std::size_t i) { append_binary(body.text(), mesh.triangles[i]); }}},
+        body, stop);
 }
 
 Result<void> write_obj_mesh(const PlacedSurface& placed, Body& body, const std::stop_token& stop) {

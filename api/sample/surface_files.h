@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <stop_token>
+#include <string>
 
 #include "api/output/body.h"
 #include "api/sample/placed_surface.h"
@@ -9,15 +11,13 @@
 
 namespace ccdt::api {
 
-// Writers of mesh files. Binary numbers are little endian. The functions write_*_mesh() write the triangulation of the
+// Writers of mesh files. The functions write_*_mesh() write the triangulation of the
 // points, SurfaceDistribution::mesh, which must not be empty. All writers have the parameters and errors of
 // SpaceFormat::Write.
 
-/// Writes points as the element `vertex` of a binary PLY file, with the properties x, y, z (double); nx, ny, nz
-/// (float); red, green, blue (uchar, sRGB) and s, t (float) if the file has colours and texture coordinates; face
-/// (uint); barycentric_u, barycentric_v, barycentric_w (float); and rank (uint) in a progressive order. Source: Turk,
-/// The PLY Polygon File Format.
-Result<void> write_ply_points(const PlacedSurface& placed, Body& body, const std::stop_token& stop);
+/// Returns the beginning of a binary PLY file, before the properties of vertices.
+std::string ply_header(std::size_t vertices);
+
 Result<void> write_ply_mesh(const PlacedSurface& placed, Body& body, const std::stop_token& stop);
 
 /// Writes points as a glTF 2.0 primitive of the mode POINTS, with the attributes POSITION, NORMAL, COLOR_0 (linear) and

@@ -17,37 +17,47 @@ namespace {
 /// Column of a table of points.
 struct Column {
     std::string_view name;
-    bool is_whole = false;  ///< whether all values are integers
+    std::string_view ply_name;
+    std::string_view ply_type;
+
+    bool is_whole() const { return ply_type[0] == 'u'; }
 };
 
 std::vector<Column> columns_of(const PlacedSurface& placed) {
-    std::vector<Column> columns = {{"x"}, {"y"}, {"z"}, {"face", true}, {"u"}, {"v"}, {"w"}, {"nx"}, {"ny"}, {"nz"}};
-    if (placed.has_colours()) columns.insert(columns.end(), {{"r", true}, {"g", true}, {"b", true}});
-    if (placed.has_texture()) columns.insert(columns.end(), {{"s"}, {"t"}});
-    if (!placed.dots.ranks.empty()) columns.push_back({"rank", true});
+    std::vector<Column> columns = {{"x", "x", "double"},
+                                   {"y", "y", "double"},
+                                   {"z", "z", "double"},
+                                   {"face", "face", "uint"},
+                                   {"u", "barycentric_u", "float"},
+                                   {"v", "barycentric_v", "float"},
+                                   {"w", "barycentric_w", "float"},
+                                   {"nx", "nx", "float"},
+                                   {"ny", "ny", "float"},
+                                   {"nz", "nz", "float"}};
+    if (placed.has_colours())
+        columns.insert(columns.end(), {{"r", "red", "uchar"}, {"g", "green", "uchar"}, {"b", "blue", "uchar"}});
+    if (placed.has_texture()) columns.insert(columns.end(), {{"s", "s", "float"}, {"t", "t", "float"}});
+    if (!placed.dots.ranks.empty()) columns.push_back({"rank", "rank", "uint"});
     return columns;
 }
 
-/// Computes the values of point i in the columns of columns_of().
-void fill_row(const PlacedSurface& placed, std::size_t i, std::vector<double>& row) {
-    const Point3 place = placed.place(i), normal = placed.normal(i);
-    const auto [u, v, w] = placed.weights(i);
-    row.assign({place.x, place.y, place.z, static_cast<double>(placed.face(i)), u, v, w, normal.x, normal.y, normal.z});
-    if (placed.has_colours()) {
-        for (const float light : placed.colour(i)) row.push_back(to_srgb(static_cast<double>(light)));
-    }
-    if (placed.has_texture()) {
-        for (const float ordinate : placed.texture(i)) row.push_back(static_cast<double>(ordinate));
-    }
-    if (!placed.dots.ranks.empty()) row.push_back(placed.dots.ranks[i]);
-}
-
-/// Calls append(row) for each point, until a stop or until the sink of the body fails.
+/// Calls append(row) for each point, with the values in the columns of columns_of(), until a stop or until the sink of
+/// the body fails.
 template <class Append>
 void write_rows(const PlacedSurface& placed, Body& body, const std::stop_token& stop, Append append) {
     std::vector<double> row;
     write_records(placed.size(), body, stop, [&](std::size_t i) {
-        fill_row(placed, i, row);
+        const Point3 place = placed.place(i), normal = placed.normal(i);
+        const auto [u, v, w] = placed.weights(i);
+        row.assign(
+            {place.x, place.y, place.z, static_cast<double>(placed.face(i)), u, v, w, normal.x, normal.y, normal.z});
+        if (placed.has_colours()) {
+            for (const float light : placed.colour(i)) row.push_back(to_srgb(static_cast<double>(light)));
+        }
+        if (placed.has_texture()) {
+            for (const float ordinate : placed.texture(i)) row.push_back(static_cast<double>(ordinate));
+        }
+        if (!placed.dots.ranks.empty()) row.push_back(placed.dots.ranks[i]);
         append(row);
     });
 }
@@ -60,7 +70,7 @@ Result<void> write_csv(const PlacedSurface& placed, Body& body, const std::stop_
     write_rows(placed, body, stop, [&](const std::vector<double>& row) {
         for (std::size_t k = 0; k < row.size(); ++k) {
             if (k > 0) out += ',';
-            columns[k].is_whole ? append_number(out, static_cast<std::uint64_t>(row[k])) : append_number(out, row[k]);
+            columns[k].is_whole() ? append_number(out, static_cast<std::uint64_t>(row[k])) : append_number(out, row[k]);
         }
         out += "\r\n";
     });
@@ -74,6 +84,25 @@ Result<void> write_npy(const PlacedSurface& placed, Body& body, const std::stop_
     body.text() += header;
     write_rows(placed, body, stop, [&](const std::vector<double>& row) {
         body.text().append(reinterpret_cast<const char*>(row.data()), row.size() * sizeof(double));
+    });
+    return {};
+}
+
+/// Writes points as the element `vertex` of a binary PLY file. Source: Turk, The PLY Polygon File Format.
+Result<void> write_ply_points(const PlacedSurface& placed, Body& body, const std::stop_token& stop) {
+    const std::vector<Column> columns = columns_of(placed);
+    std::string& out = body.text();
+    out += ply_header(placed.size());
+    for (const auto& [name, ply_name, type] : columns)
+        out.append("property ").append(type).append(" ").append(ply_name).append("\n");
+    out += "end_header\n";
+    write_rows(placed, body, stop, [&](const std::vector<double>& row) {
+        for (std::size_t k = 0; k < row.size(); ++k) {
+            if (columns[k].ply_type == "double") append_binary(out, row[k]);
+            if (columns[k].ply_type == "float") append_binary(out, static_cast<float>(row[k]));
+            if (columns[k].ply_type == "uchar") append_binary(out, static_cast<std::uint8_t>(row[k]));
+            if (columns[k].ply_type == "uint") append_binary(out, static_cast<std::uint32_t>(row[k]));
+        }
     });
     return {};
 }

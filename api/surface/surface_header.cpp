@@ -11,7 +11,7 @@
 #include "api/image/embedded_image.h"
 #include "api/image/image_header.h"
 #include "api/json/json_document.h"
-#include "api/surface/off_header.h"
+#include "api/surface/off.h"
 #include "api/surface/surface_errors.h"
 #include "api/text/byte_order_mark.h"
 #include "api/text/text.h"
@@ -128,26 +128,27 @@ std::uint64_t size_of_type(std::string_view type, bool is_text) {
     return is_text ? 1 : std::max<std::uint64_t>(size_of_ply_type(type), 1);
 }
 
-Result<Bounds> bounds_of_ply(std::string_view bytes) {
+/// @param format  name of the format in errors
+Result<Bounds> bounds_of_ply(std::string_view bytes, std::string_view format) {
     Bounds bounds;
     bool is_text = true;
     std::uint64_t count = 0;   // of the elements that are being declared
     std::uint64_t needed = 0;  // size of all elements if their lists are empty
     std::uint64_t item = 8;    // smallest size of an entry of a list
     for (std::string_view word; word != "end_header";) {
-        if (bytes.empty()) return unusable_surface("PLY", "its header has no end");
+        if (bytes.empty()) return unusable_surface(format, "its header has no end");
         std::string_view line = trim(take_until(bytes, "\n"), kBlanks);
         word = take_word(line);
         if (word == "format") is_text = take_word(line) == "ascii";
         if (word == "element") {
             const std::string_view name = take_word(line);
             const auto number = parse_number<std::uint32_t>(take_word(line));
-            if (!number) return unusable_surface("PLY", "its header lacks a number of elements below 4294967296");
+            if (!number) return unusable_surface(format, "its header lacks a number of elements below 4294967296");
             count = *number;
             if (name == "vertex") bounds.vertices = count;
             if (name == "face") bounds.faces = count;
             // The library returns only one triangle of each strip.
-            if (name == "tristrips") return unusable_surface("PLY", "triangle strips are not supported");
+            if (name == "tristrips") return unusable_surface(format, "triangle strips are not supported");
         }
         if (word == "property") {
             std::string_view type = take_word(line);
@@ -158,19 +159,9 @@ Result<Bounds> bounds_of_ply(std::string_view bytes) {
         }
     }
     const std::uint64_t present = is_text ? count_words(bytes) : bytes.size();
-    if (needed > present) return too_short("PLY", needed, present);
+    if (needed > present) return too_short(format, needed, present);
     bounds.triangles = triangles_of((present - needed) / item, bounds.faces);
     return bounds;
-}
-
-Result<Bounds> bounds_of_off(std::string_view text) {
-    const auto header = read_off_header(text);
-    if (!header) return tl::unexpected(header.error());
-    const std::uint64_t needed = header->vertices * header->values_per_vertex() + header->faces;
-    const std::uint64_t present = count_words(header->data);
-    if (needed > present) return too_short("OFF", needed, present);
-    const std::uint64_t triangles = triangles_of(present - needed, header->faces);
-    return Bounds{triangles, header->vertices, header->faces};
 }
 
 /// Parts of a glTF file.
@@ -344,19 +335,10 @@ private:
     SurfaceFormat format_;
 };
 
-/// Whether a text is a JSON object with a member `asset` that is an object, as in a glTF.
+/// Whether a text is JSON with member names that each glTF has.
 bool is_gltf(std::string_view text) {
-    constexpr std::string_view kAsset = "\"asset\"";
-    if (!trim(text.substr(0, text.find('{') + 1), kBlanks).starts_with('{')) return false;
-    const auto at = text.find(kAsset);
-    if (at == std::string_view::npos) return false;
-    std::string_view rest = text.substr(at + kAsset.size());
-    constexpr std::size_t kLongest = 64;
-    std::string opening;
-    for (const char c : rest.substr(0, kLongest)) {
-        if (kBlanks.find(c) == std::string_view::npos) opening += c;
-    }
-    return opening.starts_with(":{") && text.find("\"accessors\"") != std::string_view::npos;
+    const auto has = [text](std::string_view name) { return text.find(name) != std::string_view::npos; };
+    return trim(text.substr(0, text.find('{') + 1), kBlanks) == "{" && has("\"asset\"") && has("\"bufferViews\"");
 }
 
 /// Returns bounds of a file that is not a glTF.
@@ -364,7 +346,8 @@ Result<Bounds> bounds_of(std::string_view bytes, SurfaceFormat format) {
     if (format == SurfaceFormat::StlText) return bounds_of_text_stl(bytes);
     if (format == SurfaceFormat::StlBinary) return bounds_of_binary_stl(bytes);
     if (format == SurfaceFormat::Obj) return bounds_of_obj(bytes);
-    return format == SurfaceFormat::Ply ? bounds_of_ply(bytes) : bounds_of_off(bytes);
+    if (format == SurfaceFormat::Ply) return bounds_of_ply(bytes, "PLY");
+    return ply_of_off(bytes).and_then([](const std::string& ply) { return bounds_of_ply(ply, "OFF"); });
 }
 
 /// Returns the memory for reading a file: twice the memory measured with files of a million faces.
@@ -377,22 +360,8 @@ std::uint64_t decoder_bytes_of(const SurfaceHeader& header, std::size_t file) {
 }  // namespace
 
 std::string_view name_of(SurfaceFormat format) {
-    switch (format) {
-        case SurfaceFormat::StlText:
-        case SurfaceFormat::StlBinary:
-            return "STL";
-        case SurfaceFormat::Obj:
-            return "OBJ";
-        case SurfaceFormat::Ply:
-            return "PLY";
-        case SurfaceFormat::Off:
-            return "OFF";
-        case SurfaceFormat::Gltf:
-            return "glTF";
-        case SurfaceFormat::Glb:
-            break;
-    }
-    return "GLB";
+    constexpr auto kNames = std::to_array<std::string_view>({"STL", "STL", "OBJ", "PLY", "OFF", "glTF", "GLB"});
+    return kNames[static_cast<std::size_t>(format)];
 }
 
 std::optional<SurfaceFormat> recognise_surface(std::string_view bytes, std::string_view media_type) {

@@ -22,7 +22,7 @@
 #include <assimp/Importer.hpp>
 
 #include "api/image/srgb.h"
-#include "api/surface/off_header.h"
+#include "api/surface/off.h"
 #include "api/surface/surface_errors.h"
 #include "api/text/text.h"
 #include "core/halftone/srgb.h"
@@ -55,21 +55,8 @@ public:
 
 /// Returns the extension by which the library selects its reader.
 const char* extension_of(SurfaceFormat format) {
-    switch (format) {
-        case SurfaceFormat::StlText:
-        case SurfaceFormat::StlBinary:
-            return "stl";
-        case SurfaceFormat::Obj:
-            return "obj";
-        case SurfaceFormat::Ply:
-        case SurfaceFormat::Off:
-            return "ply";
-        case SurfaceFormat::Gltf:
-            return "gltf";
-        case SurfaceFormat::Glb:
-            return "glb";
-    }
-    return "";
+    constexpr auto kExtensions = std::to_array<const char*>({"stl", "stl", "obj", "ply", "ply", "gltf", "glb"});
+    return kExtensions[static_cast<std::size_t>(format)];
 }
 
 /// Removes all readers except that of one format, so that the library cannot choose another one by the content.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -187,12 +188,12 @@ double SurfaceDensity::largest(std::uint32_t face) const {
     return *std::max_element(&values_[first], &values_[first] + count);
 }
 
-Result<SurfaceDensity> SurfaceDensity::of_soup(const Surface& surface, const TriangleSoup& soup,
-                                               std::span<const double> values) {
-    const double largest = *std::max_element(values.begin(), values.end());
+SurfaceDensity SurfaceDensity::of_soup(const Surface& surface, const TriangleSoup& soup,
+                                       std::span<const double> values) {
+    const double largest =
+        std::max(*std::max_element(values.begin(), values.end()), std::numeric_limits<double>::min());
     SurfaceDensity density;
     density.values_.resize(3 * surface.face_count());
-    double total = 0;
     for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
         const auto& corners = soup.triangles[surface.triangle_of(f)];
         for (std::size_t k = 0; k < 3; ++k) {
@@ -202,9 +203,7 @@ Result<SurfaceDensity> SurfaceDensity::of_soup(const Surface& surface, const Tri
             const auto original = std::find(weights.begin(), weights.end(), 1) - weights.begin();
             density.values_[3 * std::size_t{f} + k] = values[corners[static_cast<std::size_t>(original)]] / largest;
         }
-        total += density.mass(surface, f);
     }
-    if (!(total > 0)) return failure(ErrorCode::Unusable, "the density is zero all over the surface", "density");
     return density;
 }
 
@@ -227,7 +226,6 @@ Result<SurfaceDensity> SurfaceDensity::of_colours(const Surface& surface, const 
     if (!soup.has_colours()) return failure(ErrorCode::Unusable, "the mesh has no colours", "density");
     const auto sides = choose_sides(surface, soup, spacing);
     SurfaceDensity density;
-    double total = 0;
     std::vector<double> weights;  // of the samples around each corner of a piece
     for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
         const std::size_t first = density.values_.size(), side = sides[f], count = (side + 1) * (side + 2) / 2;
@@ -258,9 +256,7 @@ Result<SurfaceDensity> SurfaceDensity::of_colours(const Surface& surface, const 
                 mean += values[corner] / static_cast<double>(3 * side * side);
         });
         density.grids_.push_back({first, sides[f], mean});
-        total += density.mass(surface, f);
     }
-    if (!(total > 0)) return failure(ErrorCode::Unusable, "the density is zero all over the surface", "density");
     return density;
 }
 

@@ -18,14 +18,14 @@ public:
     /// Density with given values at the vertices.
     /// @param values  [vertices of the soup] densities, >= 0 and finite
     /// Errors: Malformed if the number of values is wrong ("density"), or a value is negative or not finite
-    /// ("density/N"); Unusable if the density is 0 all over the surface.
+    /// ("density/N").
     static Result<SurfaceDensity> of_vertices(const Surface& surface, const TriangleSoup& soup,
                                               std::span<const double> values);
 
     /// Density by darkness, (1 - luminance) * alpha, of the colours of vertices, materials and pictures.
     /// @param spacing  mean distance of points, in the unit frame; detail of pictures at scales below about half of it
     ///                 is averaged
-    /// Errors: Unusable if the soup has no colours or is white everywhere. O(faces + sites).
+    /// Errors: Unusable if the soup has no colours. O(faces + sites).
     static Result<SurfaceDensity> of_colours(const Surface& surface, const TriangleSoup& soup, double spacing);
 
     /// Density by curvature, smoothed over a distance: bent regions get up to `contrast` times as many points per area
@@ -62,8 +62,7 @@ public:
     }
 
 private:
-    static Result<SurfaceDensity> of_soup(const Surface& surface, const TriangleSoup& soup,
-                                          std::span<const double> values);
+    static SurfaceDensity of_soup(const Surface& surface, const TriangleSoup& soup, std::span<const double> values);
 
     /// Values at the corners of the pieces of a face. The first ones are on the side from the first to the second
     /// corner of the face.

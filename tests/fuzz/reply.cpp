@@ -8,6 +8,7 @@
 #include "core/halftone/tone.h"
 #include "server/decoder/decoder_protocol.h"
 #include "tests/fuzz/checks.h"
+#include "tests/fuzz/shape_checks.h"
 
 namespace ccdt::fuzz {
 namespace {
@@ -51,11 +52,7 @@ void check_product(const std::string& text) {
 
 /// Checks that the arrays of a mesh fit together. Coordinates are arbitrary.
 void check_product(const api::SurfaceContents& contents) {
-    const TriangleSoup& soup = contents.soup;
-    CCDT_CHECK(!soup.triangles.empty());
-    CCDT_CHECK(soup.colours.empty() || soup.colours.size() == soup.vertices.size());
-    CCDT_CHECK(soup.texture.empty() || soup.texture.size() == soup.vertices.size());
-    for (const auto& triangle : soup.triangles) CCDT_CHECK(std::ranges::max(triangle) < soup.vertices.size());
+    check_soup(contents.soup);
 }
 
 template <class Reply>

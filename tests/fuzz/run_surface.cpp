@@ -35,6 +35,7 @@ enum class Given : std::uint16_t {
     Stretched = 1024,
     Moved = 2048,
     Damaged = 4096,
+    Picture = 8192,
 };
 
 bool is_given(std::uint16_t bits, Given property) {
@@ -74,6 +75,16 @@ TriangleSoup take_soup(Bytes& input, std::uint16_t bits) {
     for (std::size_t i = 0; i < soup.vertices.size(); ++i) {
         if (is_given(bits, Given::Colours)) soup.colours.push_back({input.take<float>(), 0.5F, 1});
         if (is_given(bits, Given::Texture)) soup.texture.push_back({input.take<float>(), 0});
+    }
+    if (is_given(bits, Given::Picture)) {
+        constexpr std::uint8_t kTexels[] = {0, 255, 128, 64, 255, 0};
+        Material material{.width = 3, .height = 2};
+        for (const std::uint8_t grey : kTexels) soup.texels.push_back({grey, grey, grey, input.take<std::uint8_t>()});
+        for (Wrap& wrap : material.wrap) wrap = static_cast<Wrap>(input.take<std::uint8_t>() % 3);
+        material.alpha = static_cast<AlphaMode>(input.take<std::uint8_t>() % 3);
+        for (float& value : material.transform) value = input.take<float>();
+        soup.materials = {material};
+        soup.material_of.assign(soup.triangles.size(), 0);
     }
     return soup;
 }
@@ -147,6 +158,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     api::SurfaceFile file;
     file.header.max_triangles = soup.triangles.size();
     file.header.max_vertices = soup.vertices.size();
+    file.header.texels = soup.texels.size();
     const auto request = api::parse_surface(file, fuzz::take_options(input, bits, soup), "", fuzz::kLimits);
     if (!request) {
         fuzz::check_error(request.error());

@@ -88,6 +88,18 @@ void check_domain(const Domain& domain) {
     CCDT_CHECK(domain.is_torus() || std::abs(doubled / 2 - domain.unit_area()) < 1e-9);
 }
 
+void check_soup(const TriangleSoup& soup) {
+    const std::size_t vertices = soup.vertices.size();
+    CCDT_CHECK(!soup.triangles.empty());
+    CCDT_CHECK(soup.colours.empty() || soup.colours.size() == vertices);
+    CCDT_CHECK(soup.texture.empty() || soup.texture.size() == vertices);
+    CCDT_CHECK(soup.material_of.size() == (soup.materials.empty() ? 0 : soup.triangles.size()));
+    for (const auto& triangle : soup.triangles) CCDT_CHECK(std::ranges::max(triangle) < vertices);
+    for (std::uint32_t t = 0; t < soup.triangles.size() && soup.colours.empty(); ++t) {
+        for (const float share : soup.colour_at(t, {0.5, 0.25, 0.25})) CCDT_CHECK(share >= 0 && share <= 1);
+    }
+}
+
 void check_cover(const Domain& domain, const std::vector<PolygonPart>& parts) {
     constexpr int kProbes = 12;
     constexpr double kNear = 1e-9;

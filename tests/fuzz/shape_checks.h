@@ -6,11 +6,15 @@
 #include "core/ccdt/ccdt.h"
 #include "core/geometry/domain.h"
 #include "core/result.h"
+#include "core/surface/triangle_soup.h"
 
 namespace ccdt::fuzz {
 
 /// Checks the invariants of a domain: its rings, area and bounds.
 void check_domain(const Domain& domain);
+
+/// Checks that the arrays of a soup fit together, and that it has a colour everywhere if it has any.
+void check_soup(const TriangleSoup& soup);
 
 /// Checks at many positions whether they are inside the domain if and only if they are inside `parts`. Skips positions
 /// that are closer to the border than rounding errors.

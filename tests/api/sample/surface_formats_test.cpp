@@ -128,21 +128,20 @@ TEST(SurfacePly, HasTheDeclaredProperties) {
     const std::string header =
         "ply\nformat binary_little_endian 1.0\nelement vertex 3\n"
         "property double x\nproperty double y\nproperty double z\n"
+        "property uint face\n"
+        "property float barycentric_u\nproperty float barycentric_v\nproperty float barycentric_w\n"
         "property float nx\nproperty float ny\nproperty float nz\n"
         "property uchar red\nproperty uchar green\nproperty uchar blue\n"
-        "property float s\nproperty float t\nproperty uint face\n"
-        "property float barycentric_u\nproperty float barycentric_v\nproperty float barycentric_w\n"
-        "property uint rank\nend_header\n";
+        "property float s\nproperty float t\nproperty uint rank\nend_header\n";
     constexpr std::size_t kRow = 24 + 12 + 3 + 8 + 4 + 12 + 4;
     ASSERT_TRUE(file.starts_with(header)) << file.substr(0, header.size());
     ASSERT_EQ(file.size(), header.size() + 3 * kRow);
     const std::size_t second = header.size() + kRow;
     EXPECT_EQ(value_at<double>(file, second + 8), 1.5);
-    EXPECT_EQ(floats_at(file, second + 24, 3), (std::vector<float>{0, 0, 1}));
-    EXPECT_EQ(value_at<std::uint8_t>(file, second + 36), 137);
-    EXPECT_EQ(floats_at(file, second + 39, 2), (std::vector<float>{0.25F, 0.75F}));
-    EXPECT_EQ(value_at<std::uint32_t>(file, second + 47), 1U);
-    EXPECT_EQ(floats_at(file, second + 51, 3), (std::vector<float>{0.25F, 0.25F, 0.5F}));
+    EXPECT_EQ(value_at<std::uint32_t>(file, second + 24), 1U);
+    EXPECT_EQ(floats_at(file, second + 28, 6), (std::vector<float>{0.25F, 0.25F, 0.5F, 0, 0, 1}));
+    EXPECT_EQ(value_at<std::uint8_t>(file, second + 52), 137);
+    EXPECT_EQ(floats_at(file, second + 55, 2), (std::vector<float>{0.25F, 0.75F}));
     EXPECT_EQ(value_at<std::uint32_t>(file, second + 63), 1U);
 }
 

@@ -247,7 +247,8 @@ TEST(DistributeOnSurface, RefusesADensityOfZero) {
     const TriangleSoup soup = joined(square_surface(2), {});
     const Surface surface = surface_of(soup);
     const std::vector<double> values(soup.vertices.size(), 0);
-    EXPECT_FALSE(SurfaceDensity::of_vertices(surface, soup, values));
+    const auto density = SurfaceDensity::of_vertices(surface, soup, values);
+    EXPECT_EQ(distribute_on_surface(surface, *density, {.sites = 5}).error().code, ErrorCode::Unusable);
 }
 
 }  // namespace
