@@ -92,7 +92,7 @@ TriangleSoup take_soup(Bytes& input, std::uint16_t bits) {
 std::string take_density(Bytes& input, const TriangleSoup& soup) {
     constexpr std::array<std::string_view, 3> kWords = {"uniform", "color", "curvature"};
     const auto kind = input.take<std::uint8_t>() % 8;
-    if (kind < 5) return std::string(kWords[kind % kWords.size()]);
+    if (kind < 5) return std::string(kWords[static_cast<std::size_t>(kind) % kWords.size()]);
     std::string list = "[";
     for (std::size_t i = 0; i < soup.vertices.size(); ++i) list += (i > 0 ? "," : "") + written(take_number(input));
     return list + ']';

@@ -180,7 +180,7 @@ TEST(SampleRequest, PointsToInvalidMember) {
         {R"("domain":{"type":"sphere","width":1,"height":1})" + sites, "/domain/type"},
         {R"("domain":{"type":"rectangle","width":0,"height":1})" + sites, "/domain/width"},
         {R"("domain":{"type":"rectangle","width":1})" + sites, "/domain"},
-        {R"("domain":{"type":"rectangle","width":1,"height":1,"depth":1})" + sites, "/domain/depth"},
+        {R"("domain":{"type":"rectangle","width":1,"height":1,"depth":1})" + sites, "/domain/type"},
         {R"("domain":[])" + sites, "/domain"},
         {R"("geometry":{"type":"Point","coordinates":[0,0]})" + sites, "/geometry"},
         {R"("geometry":{"type":"FeatureCollection"})" + sites, "/geometry/features"},
