@@ -68,8 +68,8 @@ TetrahedronMesh volume_mesh(const SolidDomain& domain, const VolumeSpacing& spac
                      w = vertices[corners[3]] - a;
         if (!domain.contains(a + 0.25 * (u + v + w))) return true;
         const double longest = std::max({length(u), length(v), length(w)});
-        return std::ranges::min(corners) >= points.size() &&
-               dot(cross(u, v), w) < kFlattest * longest * longest * longest;
+        const double flattest = std::ranges::min(corners) >= points.size() ? kFlattest : 0;
+        return dot(cross(u, v), w) <= flattest * longest * longest * longest;
     });
     const std::size_t fixed = points.size() + creases;
     improve_tetrahedra(

@@ -12,7 +12,6 @@ namespace ccdt {
 
 namespace {
 
-constexpr std::uint32_t kNone = ~std::uint32_t{0};
 constexpr int kSweeps = 5;
 constexpr double kStep = 0.1;            ///< first length of a move, relative to the mean length of edges
 constexpr double kFarthest = 0.35;       ///< largest distance from a vertex to its first place, relative to edges
@@ -54,7 +53,7 @@ public:
         }
     }
 
-    /// Replaces tetrahedra around an edge or beside a face, wherever this makes the worst of them better.
+    /// Replaces the tetrahedra around an edge wherever this makes the worst of them better.
     void reconnect() {
         list_tetrahedra();
         removed_.assign(tetrahedra_.size(), false);
@@ -65,7 +64,6 @@ public:
             for (std::size_t i = 0; i < 4 && !removed_[t]; ++i) {
                 for (std::size_t j = i + 1; j < 4 && !removed_[t]; ++j) remove_edge(corners[i], corners[j]);
             }
-            for (std::size_t i = 0; i < 4 && !removed_[t]; ++i) remove_face(t, i);
         }
         std::size_t kept = 0;
         for (std::size_t t = 0; t < tetrahedra_.size(); ++t) {
@@ -194,38 +192,6 @@ private:
             self(self, m, j);
         };
         add(add, 0, count - 1);
-    }
-
-    /// Replaces a tetrahedron and its neighbour opposite to a corner by three around the edge between their apexes.
-    void remove_face(std::uint32_t t, std::size_t corner) {
-        const Tetrahedron own = tetrahedra_[t];
-        const auto& order = kFrom[corner];
-        const std::uint32_t d = own[corner];
-        const std::array<std::uint32_t, 3> face{own[order[1]], own[order[3]], own[order[2]]};
-        for (std::uint32_t k = begins_[face[0]]; k < begins_[face[0] + 1]; ++k) {
-            const std::uint32_t other = lists_[k];
-            if (other == t || removed_[other]) continue;
-            std::uint32_t apex = kNone;
-            std::size_t shared = 0;
-            for (const std::uint32_t v : tetrahedra_[other]) {
-                if (std::ranges::find(face, v) != face.end())
-                    ++shared;
-                else
-                    apex = v;
-            }
-            if (shared != 3 || apex == d) continue;
-            const double before = std::min(quality(own), quality(tetrahedra_[other]));
-            std::array<Tetrahedron, 3> added{};
-            double after = 1;
-            for (std::size_t i = 0; i < 3; ++i) {
-                added[i] = {face[i], face[(i + 1) % 3], apex, d};
-                after = std::min(after, quality(added[i]));
-            }
-            if (after < before + kLeastGain) return;
-            removed_[t] = removed_[other] = true;
-            tetrahedra_.insert(tetrahedra_.end(), added.begin(), added.end());
-            return;
-        }
     }
 
     std::vector<Point3>& vertices_;
