@@ -36,9 +36,9 @@ Result<void> read_domain(const Input& input, Draft& draft) {
     if (text != nullptr && !text->starts_with('{')) return assign(draft.word, read_choice<DomainWord>(input, kWords));
     draft.is_object = true;
     if (text == nullptr) return assign(draft.request.domain, read_box(input));
-    return JsonDocument::parse(*text).and_then([&](const JsonDocument& document) {
-        return assign(draft.request.domain, read_box({"/domain", "/domain", document.root()}));
-    });
+    const auto document = JsonDocument::parse(*text);
+    if (!document) return malformed(input, "must be valid JSON: " + document.error().message);
+    return assign(draft.request.domain, read_box({"/domain", "/domain", document->root()}));
 }
 
 template <double Point3::*kSide>
@@ -130,8 +130,9 @@ Result<VolumeRequest> parse(Draft draft, std::span<const Input> inputs, std::str
 Result<VolumeRequest> parse_text(Draft draft, const std::vector<TextOption>& options, std::string_view accept,
                                  const Limits& limits) {
     return parse(std::move(draft), inputs_of(options), accept, limits).map_error([](Error error) {
-        const auto shorten = [](std::string& field) { field.erase(0, field.starts_with('/') ? 1 : 0); };
-        shorten(error.field);
+        const auto shorten = [](Error& each) { each.field.erase(0, each.field.starts_with('/') ? 1 : 0); };
+        shorten(error);
+        std::ranges::for_each(error.others, shorten);
         return error;
     });
 }

@@ -2,6 +2,7 @@
 #include "api/sample/volume_sample.h"
 
 #include <algorithm>
+#include <numbers>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -22,7 +23,8 @@ Result<Solid> make_solid(const SurfaceFile& file, const Decode& decode, const st
                          PlacedVolume& placed) {
     const auto read = decode.surface(file.bytes, file.header, stop);
     if (!read) return tl::unexpected(read.error());
-    auto made = Surface::create(read->soup, std::nullopt, stop);
+    constexpr double kCrease = std::numbers::pi / 4;  // tetrahedra have edges along creases
+    auto made = Surface::create(read->soup, kCrease, stop);
     if (!made) return tl::unexpected(made.error());
     placed.repairs = std::move(made->repairs);
     placed.warnings = std::move(made->warnings);

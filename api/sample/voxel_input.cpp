@@ -97,9 +97,9 @@ Result<VoxelInput> read_voxels(const Input& input, const Limits& limits) {
     if (text == nullptr)
         return read_grid(input, limits).map([](VoxelGrid grid) { return VoxelInput(std::move(grid)); });
     if (text->starts_with('{')) {
-        return JsonDocument::parse(*text).and_then([&](const JsonDocument& document) {
-            return read_voxels({"/density", "/density", document.root()}, limits);
-        });
+        const auto document = JsonDocument::parse(*text);
+        if (!document) return malformed(input, "must be valid JSON: " + document.error().message);
+        return read_voxels({"/density", "/density", document->root()}, limits);
     }
     if (!is_voxel_file(*text)) return malformed(input, "must be an NPY file, a TIFF, or an object in JSON");
     const auto owned = std::make_shared<const std::string>(*text);

@@ -8,6 +8,8 @@
 
 #include "api/sample/surface_parser.h"
 #include "api/sample/surface_sample.h"
+#include "api/sample/volume_parser.h"
+#include "api/sample/volume_sample.h"
 #include "tests/fuzz/answer_checks.h"
 #include "tests/fuzz/checks.h"
 #include "tests/fuzz/extremes.h"
@@ -35,7 +37,8 @@ enum class Given : std::uint16_t {
     Stretched = 1024,
     Moved = 2048,
     Damaged = 4096,
-    Picture = 8192,
+    Solid = 8192,
+    Picture = 16384,
 };
 
 bool is_given(std::uint16_t bits, Given property) {
@@ -98,7 +101,24 @@ std::string take_density(Bytes& input, const TriangleSoup& soup) {
     return list + ']';
 }
 
-/// Takes options that are likely to be valid.
+/// Takes options of points inside a mesh that are likely to be valid.
+std::vector<api::TextOption> take_solid_options(Bytes& input, std::uint16_t bits) {
+    std::vector<api::TextOption> options = {{"domain", "solid"},
+                                            {"sites", std::to_string(input.take<std::uint8_t>() % 24 + 1)},
+                                            {"seed", std::to_string(input.take<std::uint8_t>())},
+                                            {"format", std::string(take_one(api::volume_formats(), input)->file.name)}};
+    if (is_given(bits, Given::Quality)) options.push_back({"quality", std::string(take_one(kQualities, input))});
+    if (is_given(bits, Given::Mesh)) options.push_back({"mesh", "true"});
+    if (is_given(bits, Given::Progressive)) options.push_back({"order", "progressive"});
+    if (is_given(bits, Given::Colours))
+        options.push_back({"density", R"({"width":2,"height":1,"depth":1,"values":[)" + written(take_number(input)) +
+                                          "," + written(take_number(input)) + "]}"});
+    if (is_given(bits, Given::Fixed))
+        options.push_back({"fixed", "[[" + written(take_number(input)) + "," + written(take_number(input)) + ",0]]"});
+    return options;
+}
+
+/// Takes options of points on a surface that are likely to be valid.
 std::vector<api::TextOption> take_options(Bytes& input, std::uint16_t bits, const TriangleSoup& soup) {
     std::vector<api::TextOption> options = {{"sites", std::to_string(input.take<std::uint8_t>() % 24 + 1)},
                                             {"seed", std::to_string(input.take<std::uint8_t>())},
@@ -116,6 +136,19 @@ std::vector<api::TextOption> take_options(Bytes& input, std::uint16_t bits, cons
     if (is_given(bits, Given::Fixed))
         options.push_back({"fixed", "[[" + written(take_number(input)) + "," + written(take_number(input)) + ",0]]"});
     return options;
+}
+
+void check_points(const api::VolumeRequest& request, const TriangleSoup& soup, const std::string& body) {
+    const auto json = nlohmann::json::parse(body, nullptr, false);
+    CCDT_CHECK(!json.is_discarded() && body.find("null") == std::string::npos);
+    CCDT_CHECK(json.at("points").size() == request.run.sites);
+    const Box3 box = bounds_of(soup.vertices);
+    const Point3 margin = 1e-6 * (box.max - box.min);
+    for (const auto& point : json.at("points")) {
+        const Point3 p{point.at(0), point.at(1), point.at(2)};
+        CCDT_CHECK(p.x >= box.min.x - margin.x && p.y >= box.min.y - margin.y && p.z >= box.min.z - margin.z);
+        CCDT_CHECK(p.x <= box.max.x + margin.x && p.y <= box.max.y + margin.y && p.z <= box.max.z + margin.z);
+    }
 }
 
 void check_points(const api::SurfaceRequest& request, const TriangleSoup& soup, const std::string& body) {
@@ -146,10 +179,37 @@ void check_points(const api::SurfaceRequest& request, const TriangleSoup& soup, 
     }
 }
 
+Result<api::Answer> run(const api::SurfaceRequest& request, const api::Decode& decode) {
+    api::Timings timings;
+    return api::run_surface(request, decode, {}, timings);
+}
+Result<api::Answer> run(const api::VolumeRequest& request, const api::Decode& decode) {
+    api::Timings timings;
+    return api::run_volume(request, decode, {}, timings);
+}
+
+/// Estimates and answers a request.
+template <class Request>
+void check_request(const Result<Request>& request, const TriangleSoup& soup) {
+    if (!request) return check_error(request.error());
+    check_cost(api::cost_of(*request));
+    api::Decode decode;
+    decode.surface = [&](std::string_view, const api::SurfaceHeader&, const std::stop_token&) {
+        return Result<api::SurfaceContents>(api::SurfaceContents{soup});
+    };
+    const auto answer = run(*request, decode);
+    if (!answer) return check_error(answer.error());
+    CCDT_CHECK(answer->sites == request->run.sites && !answer->partial);
+    CCDT_CHECK(answer->body.size() >= request->run.sites * request->format->least);
+    if (request->format->file.name == "json") check_points(*request, soup, answer->body);
+    CCDT_CHECK(without_time(answer->body) == without_time(run(*request, decode)->body));
+}
+
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// Parses, estimates and answers a request for points on a surface. Its numbers are often at the ends of their ranges.
+/// Parses, estimates and answers a request for points on a surface or inside it. Its numbers are often at the ends of
+/// their ranges.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt;
     fuzz::Bytes input(fuzz::text_of(data, size));
@@ -159,28 +219,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     file.header.max_triangles = soup.triangles.size();
     file.header.max_vertices = soup.vertices.size();
     file.header.texels = soup.texels.size();
-    const auto request = api::parse_surface(file, fuzz::take_options(input, bits, soup), "", fuzz::kLimits);
-    if (!request) {
-        fuzz::check_error(request.error());
-        return 0;
+    if (fuzz::is_given(bits, fuzz::Given::Solid)) {
+        fuzz::check_request(api::parse_solid(file, fuzz::take_solid_options(input, bits), "", fuzz::kLimits), soup);
+    } else {
+        fuzz::check_request(api::parse_surface(file, fuzz::take_options(input, bits, soup), "", fuzz::kLimits), soup);
     }
-    fuzz::check_cost(api::cost_of(*request));
-    api::Decode decode;
-    decode.surface = [&](std::string_view, const api::SurfaceHeader&, const std::stop_token&) {
-        return Result<api::SurfaceContents>(api::SurfaceContents{soup});
-    };
-    const auto run = [&] {
-        api::Timings timings;
-        return api::run_surface(*request, decode, {}, timings);
-    };
-    const auto answer = run();
-    if (!answer) {
-        fuzz::check_error(answer.error());
-        return 0;
-    }
-    CCDT_CHECK(answer->sites == request->run.sites && !answer->partial);
-    CCDT_CHECK(answer->body.size() >= request->run.sites * request->format->least);
-    if (request->format->file.name == "json") fuzz::check_points(*request, soup, answer->body);
-    CCDT_CHECK(fuzz::without_time(answer->body) == fuzz::without_time(run()->body));
     return 0;
 }

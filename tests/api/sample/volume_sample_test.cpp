@@ -187,15 +187,13 @@ TEST(VolumeSample, SortsPointsByRankInAProgressiveOrder) {
                ordered = json_of(answer(request + R"(,"order":"progressive"})"));
     EXPECT_FALSE(placed.contains("rank"));
     EXPECT_TRUE(ordered.at("points") != placed.at("points"));
-    const auto vertices_of = [](const Json& json) {
-        const Json& list = json.at("mesh").at("vertices");
-        return std::set<Json>(list.begin(), list.end());
-    };
-    EXPECT_TRUE(vertices_of(ordered) == vertices_of(placed));
+    const auto set_of = [](const Json& list) { return std::set<Json>(list.begin(), list.end()); };
+    EXPECT_TRUE(set_of(ordered.at("points")) == set_of(placed.at("points")));
+    EXPECT_TRUE(set_of(ordered.at("mesh").at("vertices")) == set_of(placed.at("mesh").at("vertices")));
     for (std::size_t i = 0; i < 80; ++i) {
         EXPECT_EQ(ordered.at("rank").at(i), i);
         for (std::size_t k = 0; k < 3; ++k)
-            EXPECT_NEAR(ordered.at("mesh").at("vertices").at(i).at(k), ordered.at("points").at(i).at(k), 1e-9);
+            EXPECT_NEAR(ordered.at("mesh").at("vertices").at(i).at(k), ordered.at("points").at(i).at(k), 0.2);
     }
     EXPECT_NEAR(volume_of(points_of(ordered.at("mesh").at("vertices")), ordered.at("mesh").at("tetrahedra")), 2, 1e-9);
 }
@@ -287,6 +285,8 @@ TEST(VolumeSample, NamesTheFieldOfErrors) {
         {voxels, {{"sites", "9"}, {"width", "0"}}, ErrorCode::Malformed, "width"},
         {voxels, {{"sites", "9"}, {"fixed", "[[9,0,0]]"}}, ErrorCode::Malformed, "fixed/0"},
         {voxels, {{"sites", "9"}, {"quality", "stealthy"}, {"domain", "torus"}}, ErrorCode::Malformed, "quality"},
+        {voxels, {{"sites", "9"}, {"domain", "{"}}, ErrorCode::Malformed, "domain"},
+        {cube_file(), {{"sites", "9"}, {"domain", "solid"}, {"density", "{"}}, ErrorCode::Malformed, "density"},
         {voxels, {{"sites", "9"}, {"density", voxels}}, ErrorCode::Malformed, "density"},
         {npy_of<double>("<f8", {1, 1, 2}, {1, nan}), sites, ErrorCode::Malformed, "density/1"},
         {npy_of<double>("<f8", {1, 1, 2}, {1, -1}), sites, ErrorCode::Malformed, "density/1"},
