@@ -143,7 +143,7 @@ Cost cost_of(const SurfaceRequest& request) {
     constexpr Estimate kSite{700, 2 * kMicrosecond};                           // initial sites and their triangulation
     constexpr Estimate kPass{0, 0.45 * kMicrosecond};                          // pass of an iteration, of a site
     constexpr Estimate kPolish{0, 17 * kMicrosecond};                          // standard quality, of a site
-    constexpr Estimate kPicture{1'500, 30 * kMicrosecond};                     // density by pictures, of a site
+    constexpr Estimate kPicture{1'500, 20 * kMicrosecond};                     // density by pictures, of a site
     constexpr Estimate kProgressive{100, 4 * kMicrosecond}, kKeptMesh{80, 0};  // of a site
     constexpr double kBest = 4;  // polish of the best quality, relative to the standard quality
     const SurfaceOptions& run = request.run;

@@ -134,6 +134,7 @@ Result<Bounds> bounds_of_ply(std::string_view bytes, std::string_view format) {
     bool is_text = true;
     std::uint64_t count = 0;   // of the elements that are being declared
     std::uint64_t needed = 0;  // size of all elements if their lists are empty
+    bool has_indices = false;  // whether some lists are the corners of faces; without them, the library crashes
     std::uint64_t item = 8;    // smallest size of an entry of a list
     for (std::string_view word; word != "end_header";) {
         if (bytes.empty()) return unusable_surface(format, "its header has no end");
@@ -156,10 +157,13 @@ Result<Bounds> bounds_of_ply(std::string_view bytes, std::string_view format) {
             if (is_list) type = take_word(line);
             needed += count * size_of_type(type, is_text);
             if (is_list) item = std::min(item, size_of_type(take_word(line), is_text));
+            const std::string_view name = trim(line, kBlanks);
+            has_indices |= is_list && (name == "vertex_indices" || name == "vertex_index");
         }
     }
     const std::uint64_t present = is_text ? count_words(bytes) : bytes.size();
     if (needed > present) return too_short(format, needed, present);
+    if (bounds.faces > 0 && !has_indices) return unusable_surface(format, "its faces have no list vertex_indices");
     bounds.triangles = triangles_of((present - needed) / item, bounds.faces);
     return bounds;
 }
@@ -270,6 +274,19 @@ private:
         return static_cast<std::size_t>(number);
     }
 
+    /// Whether the offsets and scales of all texture transformations below a value are pairs of numbers. The library
+    /// aborts otherwise.
+    static bool has_valid_transforms(JsonValue value) {
+        if (!value.is_object()) return true;
+        return std::ranges::all_of(value.members(), [](const JsonValue::Member& each) {
+            if (each.name != "KHR_texture_transform") return has_valid_transforms(each.value);
+            return std::ranges::all_of(std::array{"offset", "scale"}, [&](std::string_view name) {
+                const auto pair = list(each.value, name);
+                return !member(each.value, name) || (pair.size() == 2 && pair[0].is_number() && pair[1].is_number());
+            });
+        });
+    }
+
     Result<void> check_contents() const {
         const auto version = member(member(root_, "asset"), "version");
         if (!version || !version->is_string() || !version->text().starts_with("2."))
@@ -279,6 +296,17 @@ private:
             if (uri && uri->is_string() && !uri->text().starts_with("data:"))
                 return unusable_surface(name_of(format_), "its data is in another file (" + uri->text().substr(0, 100) +
                                                               "); send a GLB, or embed the data");
+        }
+        if (!std::ranges::all_of(list(root_, "materials"), has_valid_transforms))
+            return unusable_surface(name_of(format_), "a KHR_texture_transform is damaged");
+        for (const JsonValue image : list(root_, "images")) {
+            const auto declared = member(image, "mimeType"), uri = member(image, "uri");
+            std::string_view type = declared && declared->is_string() ? std::string_view(declared->text()) : "image/";
+            std::string_view data = uri && uri->is_string() ? std::string_view(uri->text()) : "";
+            if (data.starts_with("data:")) type = data.substr(5, data.find_first_of(";,") - 5);
+            // The library reads beyond the end of a type without a slash.
+            if (!type.empty() && type.find('/') == std::string_view::npos)
+                return unusable_surface(name_of(format_), "an image has an invalid media type");
         }
         constexpr auto kUnsupported = std::to_array<std::string_view>(
             {"KHR_mesh_quantization", "EXT_meshopt_compression", "EXT_mesh_gpu_instancing"});

@@ -102,8 +102,9 @@ private:
     }
 
     double spacing(const SurfacePoint& point, double capacity) const {
+        constexpr double kMost = 1e6;  // more, even infinity, is due to a density of almost 0
         const double density = density_.at(point);
-        return density > 0 ? hexagonal_spacing(density / capacity) : std::sqrt(surface_.total_area());
+        return density > 0 ? std::min(hexagonal_spacing(density / capacity), kMost) : std::sqrt(surface_.total_area());
     }
 
     std::vector<double> spacings_at_vertices() const {

@@ -218,15 +218,15 @@ std::optional<Result<AnyPicture>> ReplyMemory<AnyPicture>::read() const {
 template class ReplyMemory<Picture>;
 template class ReplyMemory<ColourPicture>;
 
-UniqueFd ReplyText::make_file(std::size_t max_bytes) {
+UniqueFd ReplyBytes::make_file(std::size_t max_bytes) {
     return make_reply_file(size(max_bytes));
 }
 
-std::size_t ReplyText::size(std::size_t max_bytes) {
+std::size_t ReplyBytes::size(std::size_t max_bytes) {
     return kHeadSize + max_bytes;
 }
 
-ReplyText::ReplyText(const UniqueFd& file, std::size_t max_bytes)
+ReplyBytes::ReplyBytes(const UniqueFd& file, std::size_t max_bytes)
     : max_bytes_(max_bytes), memory_(map_reply(file, size(max_bytes))) {}
 
 bool ReplyText::append(std::string_view piece) {
@@ -265,17 +265,6 @@ std::size_t ReplySurface::max_bytes(const api::SurfaceHeader& header) {
            static_cast<std::size_t>(header.max_triangles) * kTriangle +
            static_cast<std::size_t>(header.texels) * sizeof(Soup::texels[0]);
 }
-
-UniqueFd ReplySurface::make_file(std::size_t max_bytes) {
-    return make_reply_file(size(max_bytes));
-}
-
-std::size_t ReplySurface::size(std::size_t max_bytes) {
-    return kHeadSize + max_bytes;
-}
-
-ReplySurface::ReplySurface(const UniqueFd& file, std::size_t max_bytes)
-    : max_bytes_(max_bytes), memory_(map_reply(file, size(max_bytes))) {}
 
 bool ReplySurface::write(const Result<api::SurfaceContents>& result) {
     ReplyHead head;

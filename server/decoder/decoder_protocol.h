@@ -112,17 +112,27 @@ private:
     std::shared_ptr<std::byte> memory_;
 };
 
-/// A child's reply that is a text, in memory shared with the server.
-class ReplyText {
+/// A child's reply of limited size, in memory shared with the server.
+class ReplyBytes {
 public:
     /// Creates the shared memory, like ReplyMemory::make_file.
     static UniqueFd make_file(std::size_t max_bytes);
 
     /// Maps the memory. After a failure, the object converts to false.
-    ReplyText(const UniqueFd& file, std::size_t max_bytes);
+    ReplyBytes(const UniqueFd& file, std::size_t max_bytes);
     explicit operator bool() const { return memory_ != nullptr; }
 
     static std::size_t size(std::size_t max_bytes);
+
+protected:
+    std::size_t max_bytes_;
+    std::shared_ptr<std::byte> memory_;
+};
+
+/// A child's reply that is a text.
+class ReplyText : public ReplyBytes {
+public:
+    using ReplyBytes::ReplyBytes;
 
     /// Appends a piece of the text. Called by the child.
     /// @returns  false if the text would exceed the limit
@@ -136,25 +146,16 @@ public:
     std::optional<Result<std::string>> read() const;
 
 private:
-    std::size_t max_bytes_;
     std::size_t used_ = 0;
-    std::shared_ptr<std::byte> memory_;
 };
 
-/// A child's reply that is a mesh, in memory shared with the server.
-class ReplySurface {
+/// A child's reply that is a mesh.
+class ReplySurface : public ReplyBytes {
 public:
+    using ReplyBytes::ReplyBytes;
+
     /// Returns the maximum total size of the arrays of a mesh, in bytes.
     static std::size_t max_bytes(const api::SurfaceHeader& header);
-
-    /// Creates the shared memory, like ReplyMemory::make_file.
-    static UniqueFd make_file(std::size_t max_bytes);
-
-    /// Maps the memory. After a failure, the object converts to false.
-    ReplySurface(const UniqueFd& file, std::size_t max_bytes);
-    explicit operator bool() const { return memory_ != nullptr; }
-
-    static std::size_t size(std::size_t max_bytes);
 
     /// Writes a result. Called by the child.
     /// @returns  false if the arrays do not fit
@@ -164,10 +165,6 @@ public:
     /// indices of the triangles are valid. Other values are not checked.
     /// @returns  none if the reply is invalid
     std::optional<Result<api::SurfaceContents>> read() const;
-
-private:
-    std::size_t max_bytes_;
-    std::shared_ptr<std::byte> memory_;
 };
 
 }  // namespace ccdt::server

@@ -131,6 +131,12 @@ TEST(SurfaceHeader, RefusesTriangleStrips) {
                    "triangle strips are not supported");
 }
 
+TEST(SurfaceHeader, RefusesFacesWithoutCorners) {
+    expect_refused(
+        ply_with("element vertex 1\nproperty float x\nelement face 1\nproperty list int int corners\n", "0\n3 0 0 0\n"),
+        "its faces have no list vertex_indices");
+}
+
 TEST(SurfaceHeader, RefusesFilesWithoutTriangles) {
     for (const char* file : {"solid a\nendsolid a\n", "v 0 0 0\np 1\nl 1 1\n", "OFF 0 0 0\n"})
         expect_refused(file, "it has no triangles or polygons");
@@ -179,6 +185,10 @@ TEST(SurfaceHeader, CountsThePixelsOfPictures) {
     EXPECT_EQ(read_surface_header(file, SurfaceFormat::Glb, kMaxFaces, 5)->texels, 0U);  // cannot be read
     for (std::size_t size = 28; size < file.size(); ++size)
         EXPECT_FALSE(read_surface_header(file.substr(0, size), SurfaceFormat::Glb, kMaxFaces, 100)) << size;
+    for (const char* image : {R"("bufferView":0,"mimeType":"png")", R"("uri":"data:png;base64,AAAA")"})
+        expect_refused(textured_gltf(image), "an image has an invalid media type");
+    expect_refused(textured_gltf("", "", R"(,"extensions":{"KHR_texture_transform":{"offset":[1]}})"),
+                   "a KHR_texture_transform is damaged");
     const std::string broken = textured_gltf(R"("bufferView":1e9)"), far = textured_gltf(R"("bufferView":0)");
     for (const std::string& json : {broken, far})
         EXPECT_EQ(read_surface_header(glb(json, "x"), SurfaceFormat::Glb, kMaxFaces, 100)->texels, 0U);
