@@ -121,7 +121,8 @@ PolishSettings surface_settings(Quality quality) {
     settings.least = 0.8;
     // Relocated sites leave long waves. The ears of nefertiti, a model of 50,000 vertices: without this round, the
     // power of its lowest 401 modes is 6 dB higher.
-    settings.last_rounds = 1;
+    settings.last_rounds = quality == Quality::Best ? 4 : 1;
+    settings.max_retries = 30;
     return settings;
 }
 
