@@ -124,8 +124,8 @@ void SitePolish::apply() {
 }
 
 bool SitePolish::is_any_nearer(double least) {
-    constexpr std::size_t kMostPairs = 64;  // of a site; stacked sheets could have any number
-    constexpr int kMostFailures = 8;
+    constexpr std::size_t kMostPairs = 16;  // of a site; stacked sheets could have any number
+    constexpr int kMostFailures = 12;
     measure_spacings();
     const double reach = least * hexagonal_spacing(1);
     const std::size_t sites = mesh_.site_count();
@@ -194,6 +194,7 @@ void SitePolish::separate(double least) {
     constexpr double kStuck = 0.85;   // share of the least distance
     constexpr double kGrowth = 0.01;  // in spacings
     const std::size_t most = 16 + mesh_.site_count() / 256;
+    if (++separations_ % 2 == 0) return;  // pushes move relocated sites away from their new neighbours
     std::vector<NearPair> stuck;
     for (const NearPair& pair : near_) {
         const auto before = std::ranges::lower_bound(before_, pair.sites, {}, &NearPair::sites);

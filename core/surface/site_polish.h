@@ -30,7 +30,10 @@ public:
                const std::stop_token& stop);
 
     void push(const Push& push);
-    void equalise(int passes) { relaxation_.iterate(passes, stop_); }
+    void equalise(int passes) {
+        relaxation_.iterate(passes, stop_);
+        flow_.reset();
+    }
     void even_out();
     void even_out_together() {}  // there is only one ink
     void restore() { mesh_.restore_delaunay(stop_); }
@@ -41,8 +44,9 @@ public:
     bool is_any_nearer(double least);
     /// Relocates one site of each pair that is_any_nearer() found and that pushes do not separate: the pair is much
     /// nearer than `least`, or its distance has hardly grown since the previous search. The new place is the middle of
-    /// a nearby triangle, as far as possible from other sites. Limits the number of pairs: 16, and one for each 256
-    /// sites, which few surfaces exceed: those that are too rough for the spacing of the sites.
+    /// a nearby triangle, as far as possible from other sites. Every second call does nothing. Limits the number of
+    /// pairs: 16, and one for each 256 sites, which few surfaces exceed: those that are too rough for the spacing of
+    /// the sites.
     void separate(double least);
     void retouch() {}
     void remove_low_frequencies() {}
@@ -64,13 +68,14 @@ private:
     SiteRelaxation& relaxation_;
     const std::stop_token& stop_;
     SiteMasses masses_;
-    std::optional<ExcessFlow> flow_;  ///< along the edges at the first removal of waves, or the first after relocations
-    std::vector<std::uint32_t> owner_;     ///< [vertices] owners() of the mesh at that time
-    std::vector<double> spacings_;         ///< [sites] 1 / sqrt(wanted density of sites)
-    std::vector<Point3> moves_;            ///< [sites]
-    std::optional<CellList3> cells_;       ///< places of the sites at the last search for near pairs
+    std::optional<ExcessFlow> flow_;    ///< along the edges of the mesh; rebuilt after relaxation and after relocations
+    std::vector<std::uint32_t> owner_;  ///< [vertices] owners() of the mesh at that time
+    std::vector<double> spacings_;      ///< [sites] 1 / sqrt(wanted density of sites)
+    std::vector<Point3> moves_;         ///< [sites]
+    std::optional<CellList3> cells_;    ///< places of the sites at the last search for near pairs
     std::vector<NearPair> near_, before_;  ///< sorted pairs that the last two searches have found
     std::size_t fewest_ = 0;               ///< least number of pairs in a search since the last removal of waves
+    int separations_ = 0;                  ///< calls of separate()
     int failures_ = 0;                     ///< searches since then that have not found fewer pairs
 };
 
