@@ -70,13 +70,11 @@ void drop_invalid(TriangleSoup& soup, std::vector<SurfaceNote>& warnings) {
     }
 }
 
-/// Whether the density is the same everywhere, and neither borders nor fixed points disturb the points.
-bool is_even(const SurfaceRequest& request, const Surface& surface, const SurfaceDensity& density) {
-    if (!density.is_uniform() || !request.run.fixed.empty()) return false;
+bool has_border(const Surface& surface) {
     for (std::uint32_t edge = 0; edge < 4 * surface.face_count(); ++edge) {
-        if (edge % 4 < 3 && surface.twin(edge) == Surface::kNone) return false;
+        if (edge % 4 < 3 && surface.twin(edge) == Surface::kNone) return true;
     }
-    return true;
+    return false;
 }
 
 /// Puts points into the requested order. After a stop, the order is arbitrary.
@@ -88,8 +86,9 @@ void order_points(const SurfaceRequest& request, const Surface& surface, const S
         places.push_back(surface.place(point));
         normals.push_back(surface.smooth_normal(point));
     }
+    const bool uniform = density.is_uniform() && request.run.fixed.empty();
     set_order(dots,
-              progressive_order_on_surface(places, normals, surface.total_area(), is_even(request, surface, density),
+              progressive_order_on_surface(places, normals, surface.total_area(), uniform, !has_border(surface),
                                            control.stop, *control.executor),
               control.stop);
 }

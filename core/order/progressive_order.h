@@ -53,10 +53,12 @@ std::vector<std::uint32_t> progressive_order_on_globe(std::span<const Point> poi
 /// @param points   [n] may coincide
 /// @param normals  [n] normals of the surface at the points, of unit length
 /// @param area     area of the surface
-/// @param even     whether the points have the same density everywhere and the surface has no border; a sharp edge
-///                 between two faces is not a border
+/// @param uniform  whether the points have the same density everywhere; otherwise, the density is measured
+/// @param closed   whether the surface has no border. Near borders, the density is measured even if it is uniform,
+///                 because points there have fewer neighbours
 std::vector<std::uint32_t> progressive_order_on_surface(std::span<const Point3> points, std::span<const Point3> normals,
-                                                        double area, bool even, const std::stop_token& stop = {},
+                                                        double area, bool uniform, bool closed,
+                                                        const std::stop_token& stop = {},
                                                         Executor& executor = inline_executor());
 
 /// Orders points in space progressively, like points in the plane. Their densest packing is the face-centred cubic

@@ -47,7 +47,8 @@ public:
 
     /// Calls function(point, number) for each point that may be within `reach` of p. Some points farther away may be
     /// included. `number` is the index of the point in `places`. On a torus, `point` is the copy nearest to p.
-    /// @param reach  > 0
+    /// @param reach     > 0
+    /// @param function  may return a bool: whether to go on
     template <class Function>
     void for_near(P p, double reach, Function&& function) const {
         const Grid& grid = grids_.front();
@@ -60,7 +61,7 @@ public:
                     const int column = wrapped(i, grid.x.cells), row = wrapped(j, grid.y.cells);
                     const P shift = vector((i - column) / grid.x.cells * sides_.x, (j - row) / grid.y.cells * sides_.y,
                                            (k - layer) / grid.z.cells * height(sides_));
-                    look_into(grid.cell(column, row, layer), p, reach, shift, function);
+                    if (!look_into(grid.cell(column, row, layer), p, reach, shift, function)) return;
                 }
             }
         }
@@ -146,22 +147,31 @@ private:
         return {first, std::min(cell(v + reach), first + axis.cells - 1)};
     }
 
+    /// @returns  false if the function has returned false
     template <class Function>
-    void look_into(std::size_t number, P p, double reach, P shift, Function& function) const {
+    bool look_into(std::size_t number, P p, double reach, P shift, Function& function) const {
         const Cell& cell = cells_[number];
         if (cell.grid == 0) {
-            for (std::uint32_t k = cell.begin; k < cells_[number + 1].begin; ++k)
-                function(sorted_[k].place + shift, sorted_[k].number);
-            return;
+            for (std::uint32_t k = cell.begin; k < cells_[number + 1].begin; ++k) {
+                if constexpr (std::same_as<bool, decltype(function(p, k))>) {
+                    if (!function(sorted_[k].place + shift, sorted_[k].number)) return false;
+                } else {
+                    function(sorted_[k].place + shift, sorted_[k].number);
+                }
+            }
+            return true;
         }
         const Grid& grid = grids_[cell.grid];
         const P q = p - shift;
         const Range x = grid.x.within(q.x, reach), y = grid.y.within(q.y, reach), z = grid.layers(q, reach);
         for (int k = z.first; k <= z.last; ++k) {
             for (int j = y.first; j <= y.last; ++j) {
-                for (int i = x.first; i <= x.last; ++i) look_into(grid.cell(i, j, k), p, reach, shift, function);
+                for (int i = x.first; i <= x.last; ++i) {
+                    if (!look_into(grid.cell(i, j, k), p, reach, shift, function)) return false;
+                }
             }
         }
+        return true;
     }
 
     /// Appends to `runs` the points near p in some cells of one row, including the cells of nested grids.

@@ -58,13 +58,19 @@ void run_schedule(const PolishSettings& settings, Steps&& steps, const std::stop
     repeat(settings.near_rounds, stop, after, [&](int) { steps.push(near); });
     // Near pushes are repeated on new triangulations while any two sites are too near. Pushes cannot separate two sites
     // that are enclosed by other sites or by the border in a narrow neck. One of two such sites is relocated.
-    for (int round = 0; round < settings.max_retries && !stop.stop_requested() && steps.is_any_nearer(settings.least);
-         ++round) {
-        if (round >= settings.relocate_after) steps.separate(settings.least);
-        steps.restore();
-        steps.push(near);
-    }
-    repeat(settings.last_rounds, stop, after, [&](int) { steps.even_out(); });
+    const auto push_until_apart = [&] {
+        for (int round = 0;
+             round < settings.max_retries && !stop.stop_requested() && steps.is_any_nearer(settings.least); ++round) {
+            if (round >= settings.relocate_after) steps.separate(settings.least);
+            steps.restore();
+            steps.push(near);
+        }
+    };
+    push_until_apart();
+    repeat(settings.last_rounds, stop, after, [&](int) {
+        steps.even_out();
+        push_until_apart();
+    });
     repeat(settings.retouch_rounds, stop, after, [&](int) { steps.retouch(); });
     repeat(settings.stealth_rounds, stop, after, [&](int) { steps.remove_low_frequencies(); });
 }

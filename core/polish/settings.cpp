@@ -119,9 +119,10 @@ PolishSettings surface_settings(Quality quality) {
     PolishSettings settings = quality == Quality::Best ? kPolygon.best : kPolygon.standard;
     // No edge joins two sites that face each other in a fold. Only the search for sites nearer than this finds them.
     settings.least = 0.8;
-    // Relocated sites leave long waves. The ears of nefertiti, a model of 50,000 vertices: without this round, the
-    // power of its lowest 401 modes is 6 dB higher.
-    settings.last_rounds = 1;
+    settings.max_retries = 30;
+    // Relocated sites leave long waves. On nefertiti, a model of 50,000 vertices, with 16,384 sites and quality `best`,
+    // the power of the lowest 401 modes is up to 5 dB higher with one such round instead of four.
+    settings.last_rounds = quality == Quality::Best ? 4 : 1;
     return settings;
 }
 

@@ -42,7 +42,8 @@ struct PolishSettings {
     /// Number of repetitions of near pushes without relocation. In polygons, each further repetition begins by
     /// relocating one site of every pair that is too close.
     int relocate_after = 0;
-    int last_rounds = 0;     ///< next step: even rounds, which remove waves that the pushes have left
+    /// Next step: even rounds, which remove waves that the pushes have left. Near pushes are repeated after each round.
+    int last_rounds = 0;
     int retouch_rounds = 0;  ///< next step: rounds of moves that the caller computes from all inks together
     int stealth_rounds = 0;  ///< last step: maximum number of rounds that remove the power of low frequencies
 

@@ -60,7 +60,6 @@ public:
             // the polish then remove the error of density that the relocation causes.
             if (polish.is_any_nearer(settings_->least)) polish.separate(settings_->least);
             run_schedule(*settings_, polish, control_.stop, [this] { ++round_, report(); });
-            push_nearest(polish);
             mesh_->restore_delaunay(control_.stop);
             result_.polished = relaxation.variation();
         }
@@ -71,16 +70,6 @@ public:
 
 private:
     bool stopping() const { return control_.stop.stop_requested(); }
-
-    /// Pushes sites apart that the last even round has moved too near to each other.
-    void push_nearest(SitePolish& polish) const {
-        constexpr int kTimes = 2;
-        constexpr double kPush = 0.5;  // each of the two sites moves half of the missing distance
-        for (int i = 0; i < kTimes && !stopping() && polish.is_any_nearer(settings_->least); ++i) {
-            polish.restore();
-            polish.push({settings_->nearest, kPush});
-        }
-    }
 
     /// Draws and triangulates the initial sites.
     void start(double mass) {

@@ -4,13 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <functional>
+#include <limits>
 #include <span>
 #include <utility>
 
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/polish/cell_list.h"
-#include "core/polish/excess_flow.h"
 #include "core/polish/site_graph.h"
 #include "core/surface/site_order.h"
 
@@ -78,7 +77,9 @@ void SitePolish::push(const Push& push) {
             });
         }
     });
-    for (const auto& [a, b] : facing_) {
+    for (const auto& [sites, distance] : near_) {
+        const auto [a, b] = sites;
+        if (mesh_.are_joined(a, b)) continue;
         moves_[a] = moves_[a] + moved_away(a, b);
         moves_[b] = moves_[b] + moved_away(b, a);
     }
@@ -87,23 +88,27 @@ void SitePolish::push(const Push& push) {
 
 void SitePolish::even_out() {
     if (stop_.stop_requested()) return;
+    fewest_ = std::numeric_limits<std::size_t>::max();
+    failures_ = 0;
     measure_spacings();
-    const auto owner = owners(mesh_);
-    // Sites in different components are not joined, so the excess does not cross creases.
-    const auto component = [&](std::uint32_t v) { return mesh_.surface().component(mesh_.on_surface(v).face); };
-    const auto edges =
-        edges_between_sites(mesh_, [&](std::uint32_t a, std::uint32_t b) { return component(a) == component(b); });
-    ExcessFlow flow(mesh_.site_count(), edges, mesh_.executor());
+    if (!flow_) {
+        // Sites in different components are not joined, so the excess does not cross creases.
+        const auto component = [&](std::uint32_t v) { return mesh_.surface().component(mesh_.on_surface(v).face); };
+        const auto edges =
+            edges_between_sites(mesh_, [&](std::uint32_t a, std::uint32_t b) { return component(a) == component(b); });
+        flow_.emplace(mesh_.site_count(), edges, mesh_.executor());
+        owner_ = owners(mesh_);
+    }
     const auto masses = masses_.measure(mesh_);
-    const std::span<double> errors = flow.errors();
+    const std::span<double> errors = flow_->errors();
     std::ranges::fill(errors, 1);
     for (std::uint32_t v = 0; v < masses.size(); ++v) {
-        if (owner[v] != kNone) errors[owner[v]] -= masses[v];
+        if (owner_[v] != kNone) errors[owner_[v]] -= masses[v];
     }
     for (std::size_t v = mesh_.free_count(); v < mesh_.site_count(); ++v) errors[v] = 0;
     smooth(mesh_, errors);
-    if (!flow.solve(stop_)) return;
-    flow.moves(mesh_, spacings_, std::span<Point3>(moves_));
+    if (!flow_->solve(stop_)) return;
+    flow_->moves(mesh_, spacings_, std::span<Point3>(moves_));
     apply();
 }
 
@@ -118,61 +123,45 @@ void SitePolish::apply() {
     order.for_sites([&](std::uint32_t site) { mesh_.move(site, moves_[site]); });
 }
 
-bool SitePolish::is_near(std::uint32_t a, std::uint32_t b, double reach) const {
-    const Point3 off = mesh_.point(a) - mesh_.point(b);
-    const double wanted = reach * (spacings_[a] + spacings_[b]) / 2;
-    return dot(off, off) < wanted * wanted;
-}
-
 bool SitePolish::is_any_nearer(double least) {
+    constexpr std::size_t kMostPairs = 16;  // of a site; stacked sheets could have any number
+    constexpr int kMostFailures = 12;
     measure_spacings();
     const double reach = least * hexagonal_spacing(1);
     const std::size_t sites = mesh_.site_count();
-    std::vector<Point3> places(sites), normals(sites);
-    for (std::uint32_t v = 0; v < sites; ++v) {
-        places[v] = mesh_.point(v);
-        normals[v] = mesh_.surface().smooth_normal(mesh_.on_surface(v));
-    }
-    const BasicCellList<Point3> cells(places);
-    constexpr std::size_t kMostFacing = 8;  // pairs of a site; stacked sheets could have any number
-    struct Found {
-        std::vector<std::array<std::uint32_t, 2>> joined, facing;
-    };
-    std::vector<Found> found((sites + kSites - 1) / kSites);
+    std::vector<Point3> places(sites);
+    for (std::uint32_t v = 0; v < sites; ++v) places[v] = mesh_.point(v);
+    cells_.emplace(places);
+    std::vector<std::vector<NearPair>> found((sites + kSites - 1) / kSites);
     for_ranges(mesh_.executor(), sites, kSites, [&](std::size_t begin, std::size_t end) {
-        std::vector<std::uint32_t> joined;
-        Found& near = found[begin / kSites];
-        auto &near_joined = near.joined, &near_facing = near.facing;
         for (auto v = static_cast<std::uint32_t>(begin); v < end && !stop_.stop_requested(); ++v) {
-            const std::size_t most = near_facing.size() + kMostFacing;
-            joined.clear();
-            mesh_.for_edges(v, [&](std::uint32_t h) { joined.push_back(mesh_.target(h)); });
-            cells.for_near(places[v], 2 * reach * spacings_[v], [&](Point3, std::uint32_t other) {
-                if (other <= v || !mesh_.is_free(v) || !is_near(v, other, reach)) return;
-                const bool is_joined = std::ranges::find(joined, other) != joined.end();
-                if (!is_joined && !(dot(normals[v], normals[other]) > 0)) return;
-                if (is_joined)
-                    near_joined.push_back({v, other});
-                else if (near_facing.size() < most)
-                    near_facing.push_back({v, other});
+            const Point3 normal = normal_at(v);
+            std::size_t pairs = 0;
+            cells_->for_near(places[v], reach * spacings_[v], [&](Point3, std::uint32_t other) {
+                const double distance = 2 * length(places[v] - places[other]) / (spacings_[v] + spacings_[other]);
+                if (other == v || distance >= reach) return true;
+                // The site with the larger spacing, and so with the longer reach, lists the pair.
+                const bool lists = std::pair(spacings_[v], v) > std::pair(spacings_[other], other);
+                const auto [a, b] = std::minmax(v, other);
+                if (lists && mesh_.is_free(a) && dot(normal, normal_at(other)) > 0)
+                    found[begin / kSites].push_back({{a, b}, distance});
+                return ++pairs < kMostPairs;
             });
         }
-        std::ranges::sort(near_joined);
-        std::ranges::sort(near_facing);
     });
-    joined_.clear();
-    facing_.clear();
-    for (const auto& [near_joined, near_facing] : found) {
-        joined_.insert(joined_.end(), near_joined.begin(), near_joined.end());
-        facing_.insert(facing_.end(), near_facing.begin(), near_facing.end());
-    }
-    return !joined_.empty() || !facing_.empty();
+    before_ = std::exchange(near_, {});
+    for (const auto& list : found) near_.insert(near_.end(), list.begin(), list.end());
+    std::ranges::sort(near_, {}, &NearPair::sites);
+    failures_ = near_.size() < fewest_ ? 0 : failures_ + 1;
+    fewest_ = std::min(fewest_, near_.size());
+    return !near_.empty() && failures_ < kMostFailures;
 }
 
-/// Returns triangles between free sites near a site, in descending order of capacity.
+/// Returns triangles between free sites near a site. Those whose middles are farthest from all other sites come first.
 std::vector<std::uint32_t> SitePolish::wide_triangles(std::uint32_t site) const {
-    constexpr std::size_t kVisited = 300;  // about the triangles within seven spacings
+    constexpr std::size_t kVisited = 150;  // about the triangles within five spacings
     constexpr std::size_t kMost = 16;
+    constexpr double kPerDistance = 0.02;  // sites that are moved less disturb long waves less
     std::vector<std::uint32_t> visited;
     mesh_.for_edges(site, [&](std::uint32_t h) { visited.push_back(h / 4); });
     for (std::size_t i = 0; i < visited.size() && visited.size() < kVisited; ++i) {
@@ -182,38 +171,52 @@ std::vector<std::uint32_t> SitePolish::wide_triangles(std::uint32_t site) const 
             visited.push_back(twin / 4);
         }
     }
-    std::erase_if(visited, [&](std::uint32_t t) {
-        return !std::ranges::all_of(mesh_.corners(t), [&](std::uint32_t v) { return mesh_.is_free(v); });
-    });
-    std::ranges::stable_sort(visited, std::greater{}, [&](std::uint32_t t) {
-        const double spacing = spacings_[mesh_.corners(t)[0]];
-        return mesh_.doubled_area(t) / (spacing * spacing);
-    });
-    visited.resize(std::min(visited.size(), kMost));
-    return visited;
+    std::vector<std::pair<double, std::uint32_t>> wide;
+    for (const std::uint32_t t : visited) {
+        const auto& corners = mesh_.corners(t);
+        if (!std::ranges::all_of(corners, [&](std::uint32_t v) { return mesh_.is_free(v); })) continue;
+        const auto [a, b, c] = mesh_.places(t);
+        const Point3 middle = 1.0 / 3 * (a + b + c), normal = mesh_.doubled_normal(t);
+        const double spacing = spacings_[corners[0]];
+        double least = spacing;
+        cells_->for_near(middle, spacing, [&](Point3, std::uint32_t v) {
+            if (v != site && dot(normal_at(v), normal) > 0) least = std::min(least, length(mesh_.point(v) - middle));
+        });
+        wide.emplace_back((kPerDistance * length(middle - mesh_.point(site)) - least) / spacing, t);
+    }
+    std::ranges::sort(wide);
+    std::vector<std::uint32_t> triangles;
+    for (const auto& [order, t] : std::span(wide).first(std::min(wide.size(), kMost))) triangles.push_back(t);
+    return triangles;
 }
 
 void SitePolish::separate(double least) {
-    constexpr double kStuck = 0.85;  // share of the least distance; pushes move other pairs apart
-    constexpr int kMaxTimes = 4;     // afterwards, pushes move relocated sites away from their new neighbours
-    if (++separations_ > kMaxTimes) return;
-    // Largest number of pairs, which few surfaces exceed: those that are too rough for the spacing of the sites.
+    constexpr double kStuck = 0.85;   // share of the least distance
+    constexpr double kGrowth = 0.01;  // in spacings
     const std::size_t most = 16 + mesh_.site_count() / 256;
-    auto pairs = joined_;
-    pairs.insert(pairs.end(), facing_.begin(), facing_.end());
-    std::erase_if(pairs,
-                  [&](const auto& pair) { return !is_near(pair[0], pair[1], kStuck * least * hexagonal_spacing(1)); });
+    if (++separations_ % 2 == 0) return;  // pushes move relocated sites away from their new neighbours
+    std::vector<NearPair> stuck;
+    for (const NearPair& pair : near_) {
+        const auto before = std::ranges::lower_bound(before_, pair.sites, {}, &NearPair::sites);
+        const bool was_near = before != before_.end() && before->sites == pair.sites;
+        if (pair.distance < kStuck * least * hexagonal_spacing(1) ||
+            (was_near && pair.distance < before->distance + kGrowth))
+            stuck.push_back(pair);
+    }
+    std::ranges::stable_sort(stuck, {}, &NearPair::distance);
     std::vector<std::uint8_t> is_relocated(mesh_.site_count(), 0);
-    for (const auto& [a, b] : std::span(pairs).first(std::min(pairs.size(), most))) {
-        if (is_relocated[a] != 0 || is_relocated[b] != 0) continue;
-        for (const std::uint32_t site : {a, b}) {
-            if (!mesh_.is_free(site) || !mesh_.relocate(site, wide_triangles(site))) continue;
-            is_relocated[site] = 1;
-            break;
+    const auto touches = [&](const NearPair& pair) {
+        return is_relocated[pair.sites[0]] != 0 || is_relocated[pair.sites[1]] != 0;
+    };
+    for (const NearPair& pair : std::span(stuck).first(std::min(stuck.size(), most))) {
+        for (const std::uint32_t site : pair.sites) {
+            if (touches(pair) || !mesh_.is_free(site)) continue;
+            is_relocated[site] = mesh_.relocate(site, wide_triangles(site)) ? 1 : 0;
         }
     }
-    facing_.clear();
+    if (std::erase_if(near_, touches) == 0) return;
     masses_.forget();
+    flow_.reset();
 }
 
 }  // namespace ccdt

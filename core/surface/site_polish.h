@@ -3,9 +3,12 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <stop_token>
 #include <vector>
 
+#include "core/polish/cell_list.h"
+#include "core/polish/excess_flow.h"
 #include "core/polish/first_row.h"
 #include "core/polish/schedule.h"
 #include "core/surface/site_masses.h"
@@ -27,23 +30,34 @@ public:
                const std::stop_token& stop);
 
     void push(const Push& push);
-    void equalise(int passes) { relaxation_.iterate(passes, stop_); }
+    void equalise(int passes) {
+        relaxation_.iterate(passes, stop_);
+        flow_.reset();
+    }
     void even_out();
     void even_out_together() {}  // there is only one ink
     void restore() { mesh_.restore_delaunay(stop_); }
-    /// Whether any two sites are nearer to each other than `least`, relative to the hexagonal distance. Also finds
-    /// sites that no edge joins, unless they are on different sides of a thin plate. Pushes move such sites apart, too,
-    /// until separate() is called.
+    /// Whether any two sites are nearer to each other than `least`, relative to the hexagonal distance, and it is
+    /// useful to go on: not if the number of such pairs has not fallen in eight calls since the last removal of waves.
+    /// Also finds sites that no edge joins, unless they are on different sides of a thin plate. The next pushes move
+    /// such sites apart, too.
     bool is_any_nearer(double least);
-    /// Relocates one site of each pair that is_any_nearer() found and that is still much nearer than `least`. The new
-    /// place is a nearby triangle with a large capacity. Does nothing after the fourth call, and limits the number of
-    /// pairs: 16, and one for each 256 sites.
+    /// Relocates one site of each pair that is_any_nearer() found and that pushes do not separate: the pair is much
+    /// nearer than `least`, or its distance has hardly grown since the previous search. The new place is the middle of
+    /// a nearby triangle, as far as possible from other sites. Every second call does nothing. Limits the number of
+    /// pairs: 16, and one for each 256 sites, which few surfaces exceed: those that are too rough for the spacing of
+    /// the sites.
     void separate(double least);
     void retouch() {}
     void remove_low_frequencies() {}
 
 private:
-    bool is_near(std::uint32_t a, std::uint32_t b, double reach) const;
+    struct NearPair {
+        std::array<std::uint32_t, 2> sites;  ///< ascending
+        double distance;                     ///< in spacings
+    };
+
+    Point3 normal_at(std::uint32_t vertex) const { return mesh_.surface().normal(mesh_.on_surface(vertex).face); }
     std::vector<std::uint32_t> wide_triangles(std::uint32_t site) const;
     void measure_spacings();
     void apply();
@@ -54,11 +68,15 @@ private:
     SiteRelaxation& relaxation_;
     const std::stop_token& stop_;
     SiteMasses masses_;
-    std::vector<double> spacings_;                      ///< [sites] 1 / sqrt(wanted density of sites)
-    std::vector<Point3> moves_;                         ///< [sites]
-    int separations_ = 0;                               ///< calls of separate()
-    std::vector<std::array<std::uint32_t, 2>> joined_;  ///< pairs of near sites that an edge joins
-    std::vector<std::array<std::uint32_t, 2>> facing_;  ///< other pairs of near sites
+    std::optional<ExcessFlow> flow_;    ///< along the edges of the mesh; rebuilt after relaxation and after relocations
+    std::vector<std::uint32_t> owner_;  ///< [vertices] owners() of the mesh at that time
+    std::vector<double> spacings_;      ///< [sites] 1 / sqrt(wanted density of sites)
+    std::vector<Point3> moves_;         ///< [sites]
+    std::optional<CellList3> cells_;    ///< places of the sites at the last search for near pairs
+    std::vector<NearPair> near_, before_;  ///< sorted pairs that the last two searches have found
+    std::size_t fewest_ = 0;               ///< least number of pairs in a search since the last removal of waves
+    int separations_ = 0;                  ///< calls of separate()
+    int failures_ = 0;                     ///< searches since then that have not found fewer pairs
 };
 
 }  // namespace ccdt

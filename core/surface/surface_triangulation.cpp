@@ -297,19 +297,16 @@ bool SurfaceTriangulation::remove(std::uint32_t vertex, std::vector<std::uint32_
     if (links_.edge_of(vertex) == kNone) return true;
     std::vector<std::pair<double, std::uint32_t>> edges;
     std::vector<std::uint32_t> around;
-    Point3 normal;
     bool on_crease = false;
     links_.for_edges(vertex, [&](std::uint32_t h) {
         edges.emplace_back(dot(along(h), along(h)), h);
         around.push_back(h);
-        normal = normal + doubled_normal(h / 4);
         on_crease = on_crease || links_.is_constrained(h);
     });
     if (on_crease) std::erase_if(edges, [&](const auto& each) { return !links_.is_constrained(each.second); });
     const auto last = edges.begin() + static_cast<std::ptrdiff_t>(std::min(edges.size(), kMaxCandidates));
     std::ranges::partial_sort(edges, last);
-    const auto found =
-        std::find_if(edges.begin(), last, [&](const auto& each) { return can_collapse(each.second, normal); });
+    const auto found = std::find_if(edges.begin(), last, [&](const auto& each) { return can_collapse(each.second); });
     if (found == last) return false;
     links_.collapse(found->second);
     for (const std::uint32_t h : around) {
@@ -319,10 +316,15 @@ bool SurfaceTriangulation::remove(std::uint32_t vertex, std::vector<std::uint32_
     return true;
 }
 
-/// Whether merging the origin of an edge with its target keeps the topology, and the orientation of all triangles.
-/// @param normal  sum of the normals around the origin
-bool SurfaceTriangulation::can_collapse(std::uint32_t edge, Point3 normal) const {
+/// Returns the sum of the surface's normals at two vertices.
+Point3 SurfaceTriangulation::normals_at(std::uint32_t a, std::uint32_t b) const {
+    return surface_->smooth_normal(points_[a]) + surface_->smooth_normal(points_[b]);
+}
+
+/// Whether merging the origin of an edge with its target keeps the topology and folds no triangle.
+bool SurfaceTriangulation::can_collapse(std::uint32_t edge) const {
     const std::uint32_t a = links_.origin(edge), b = links_.target(edge), twin = links_.twin(edge);
+    const Point3 up = surface_->smooth_normal(points_[b]);
     std::size_t common = 0;
     bool sound = true;
     links_.for_edges(a, [&](std::uint32_t h) {
@@ -331,7 +333,7 @@ bool SurfaceTriangulation::can_collapse(std::uint32_t edge, Point3 normal) const
         // On a border, the last neighbour has no half-edge from a.
         if (y != b && links_.twin(Links::previous(h)) == kNone && links_.are_joined(b, y)) ++common;
         if (x == b || y == b) return;
-        sound = sound && dot(cross(places_[x] - places_[b], places_[y] - places_[b]), normal) > 0;
+        sound = sound && dot(cross(places_[x] - places_[b], places_[y] - places_[b]), up + normals_at(x, y)) > 0;
     });
     if (!sound || common != (twin == kNone ? 1 : 2)) return false;
     const auto is_free = [&](std::uint32_t h) {
@@ -365,17 +367,19 @@ void SurfaceTriangulation::move(std::uint32_t vertex, Point3 by) {
     constexpr int kAttempts = 4;
     constexpr double kLeastArea = 0.05;  // share of a triangle's area that a move must leave
     const Point3 before = places_[vertex];
-    if (links_.edge_of(vertex) == kNone) return;
-    Point3 normal;
-    links_.for_edges(vertex, [&](std::uint32_t h) { normal = normal + doubled_normal(h / 4); });
+    if (by == Point3{} || links_.edge_of(vertex) == kNone) return;
     for (int attempt = 0; attempt < kAttempts; ++attempt, by = 0.5 * by) {
         const SurfacePoint to = surface_->trace(points_[vertex], by);
-        const Point3 place = surface_->place(to);
+        const Point3 place = surface_->place(to), up = surface_->smooth_normal(to);
         bool sound = true;
         links_.for_edges(vertex, [&](std::uint32_t h) {
-            const Point3 x = places_[links_.target(h)], y = places_[links_.apex(h)];
-            const double area = dot(cross(x - before, y - before), normal);
-            sound = sound && dot(cross(x - place, y - place), normal) > std::max(0.0, kLeastArea * area);
+            const std::uint32_t a = links_.target(h), b = links_.apex(h);
+            const Point3 x = places_[a], y = places_[b];
+            const Point3 old = cross(x - before, y - before), now = cross(x - place, y - place);
+            sound = sound && dot(now, old) >= kLeastArea * dot(old, old);
+            if (!sound || dot(now, up) > 0) return;
+            const Point3 others = normals_at(a, b);
+            sound = dot(now, up + others) >= std::min(0.0, dot(old, surface_->smooth_normal(points_[vertex]) + others));
         });
         if (!sound) continue;
         points_[vertex] = to;

@@ -57,6 +57,7 @@ public:
     /// Half-edge on the other side of the edge; kNone on borders and creases.
     std::uint32_t twin(std::uint32_t edge) const { return links_.is_constrained(edge) ? kNone : links_.twin(edge); }
     std::uint32_t edge_of(std::uint32_t vertex) const { return links_.edge_of(vertex); }
+    bool are_joined(std::uint32_t a, std::uint32_t b) const { return links_.are_joined(a, b); }
     template <class Function>
     void for_edges(std::uint32_t vertex, Function&& function) const {
         links_.for_edges(vertex, function);
@@ -108,7 +109,8 @@ private:
     void insert_sites(std::vector<std::uint32_t> face_of, const std::stop_token& stop);
     void remove_corners(const CreaseVertices& creases, const std::stop_token& stop);
     bool remove(std::uint32_t vertex, std::vector<std::uint32_t>& stack);
-    bool can_collapse(std::uint32_t edge, Point3 normal) const;
+    Point3 normals_at(std::uint32_t a, std::uint32_t b) const;
+    bool can_collapse(std::uint32_t edge) const;
     std::size_t legalise(std::vector<std::uint32_t>& stack, std::size_t most, const std::stop_token& stop = {});
     bool wants_flip(std::uint32_t edge) const;
     bool allows_flip(std::uint32_t edge) const;

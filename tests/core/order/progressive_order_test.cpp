@@ -131,8 +131,8 @@ struct SurfacePoints {
     std::vector<Point3> normals;
     double area = 0;
 
-    std::vector<std::uint32_t> order(bool even, Executor& executor = inline_executor()) const {
-        return progressive_order_on_surface(places, normals, area, even, {}, executor);
+    std::vector<std::uint32_t> order(bool uniform, Executor& executor = inline_executor(), bool closed = true) const {
+        return progressive_order_on_surface(places, normals, area, uniform, closed, {}, executor);
     }
 
     SurfacePoints first_of(const std::vector<std::uint32_t>& order, std::size_t k) const {
@@ -235,6 +235,18 @@ TEST(ProgressiveOrderOnSurface, SpreadsAnyNumberOfFirstPoints) {
     }
 }
 
+TEST(ProgressiveOrderOnSurface, KeepsTheFirstPointsApartOnSurfacesWithBorders) {
+    const SurfacePoints whole = sphere(8'192);
+    SurfacePoints half{{}, {}, whole.area / 2};
+    for (const Point3 p : whole.places) {
+        if (p.z > 0) half.places.push_back(p);
+    }
+    half.normals = half.places;
+    const auto order = half.order(true, inline_executor(), false);
+    for (std::size_t k = half.places.size(); k >= 64; k = k * 3 / 4)
+        EXPECT_GT(half.first_of(order, k).distances().front(), 0.57) << k;
+}
+
 /// Returns the mean power of points on a unit sphere in all spherical harmonics of degrees 1 to `degrees`, relative to
 /// random points.
 double low_power(const std::vector<Point3>& points, int degrees) {
@@ -316,7 +328,7 @@ TEST(ProgressiveOrderOnSurface, IsIdenticalOnAnyNumberOfThreads) {
 }
 
 TEST(ProgressiveOrderOnSurface, AcceptsDegeneratePoints) {
-    EXPECT_TRUE(progressive_order_on_surface({}, {}, 1, false).empty());
+    EXPECT_TRUE(progressive_order_on_surface({}, {}, 1, false, true).empty());
     SurfacePoints points{{{3, 2, 1}}, {{0, 0, 1}}, 1};
     EXPECT_EQ(points.order(false), std::vector<std::uint32_t>{0});
     points.places.resize(100, points.places[0]);

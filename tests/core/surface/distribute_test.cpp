@@ -9,6 +9,7 @@
 #include <numbers>
 #include <stop_token>
 
+#include "core/analysis/spacing.h"
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/parallel/thread_executor.h"
 #include "tests/support/surfaces.h"
@@ -129,6 +130,19 @@ TEST(DistributeOnSurface, GivesComponentsTheirShares) {
     const auto of_large = std::ranges::count_if(
         dots.points, [&](const SurfacePoint& point) { return surface.to_input(surface.place(point)).x < 2; });
     EXPECT_EQ(of_large, 800);
+}
+
+TEST(DistributeOnSurface, SeparatesSitesWhereSurfacesIntersect) {
+    TriangleSoup other = sphere_surface(4);
+    for (Point3& p : other.vertices) p = p + Point3{1.2, 0.5, 0};
+    const Surface surface = surface_of(joined(sphere_surface(4), other));
+    for (const std::uint64_t seed : {0, 1}) {
+        const auto dots = distributed(surface, {.sites = 2000, .seed = seed});
+        std::vector<Point3> normals;
+        for (const SurfacePoint& point : dots.points) normals.push_back(surface.normal(point.face));
+        const double least = measure_spacing(places(surface, dots), normals, {}).min;
+        EXPECT_GE(least / hexagonal_spacing(2000 / surface.total_area()), 0.8) << seed;
+    }
 }
 
 TEST(DistributeOnSurface, KeepsHalfARowFromABorder) {
