@@ -162,7 +162,7 @@ def main():
     print("|---|---|---|---|---|---|")
     for name, (points, seconds) in patterns.items():
         least, mean = distances(points)
-        even = noise(points, True, lambda places, count=len(points): numpy.full(places.shape[:-1], float(count)))
+        even = noise(points, True, lambda at, count=len(points): numpy.full(at.shape[:-1], float(count)))
         print(f"| {name} | {least:.3f} | {mean:.3f} | {low_power(points):.1f} | {even:.2f} | {seconds:.2f} |", flush=True)
     print(f"\n| noise of density, {sites} points, % | ball | clumps |\n|---|---|---|")
     for name in [*(quality for quality in qualities if quality != "stealthy"), "random"]:
