@@ -51,7 +51,8 @@ Result<ParsedPointer> parse_halftone_request(std::string_view body, HalftoneBody
                                              const Limits& limits);
 
 /// Parses a request for points, for a threshold mask, or for pixels of a raster. The body is JSON, a mesh, which
-/// recognise_surface() recognises, or a file of voxels, which is_voxel_file() recognises. The other parameters are those of parse_halftone_request().
+/// recognise_surface() recognises, or a file of voxels, which is_voxel_file() recognises. The other parameters are
+/// those of parse_halftone_request().
 /// @param media_type  media type of the body, in lower case and without parameters; empty: unknown
 /// Errors: those of parse_sample(), parse_pixels(), parse_surface(), parse_volume() and parse_solid().
 Result<ParsedPointer> parse_sample_request(std::string_view body, const std::vector<TextOption>& options,

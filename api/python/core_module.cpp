@@ -27,6 +27,8 @@
 #include "api/sample/sample_parser.h"
 #include "api/sample/surface_parser.h"
 #include "api/sample/surface_sample.h"
+#include "api/sample/volume_parser.h"
+#include "api/sample/volume_sample.h"
 #include "api/text/byte_order_mark.h"
 #include "api/text/numbers.h"
 
@@ -296,6 +298,47 @@ private:
     api::PlacedSurface placed_;
 };
 
+/// Points that are placed in space, with their request.
+class VolumeSample {
+public:
+    /// @param body  JSON text; the bytes of a file of voxels; or, with the option `domain=solid`, a mesh as for MeshInput
+    VolumeSample(py::object body, const OptionList& options, const Running& running)
+        : body_(std::move(body)), request_(value_or_raise(parsed(options))), placed_(value_or_raise(placed(running))) {}
+
+    AnswerPointer write(const std::string& format, const Running& running) const {
+        const auto& chosen = format.empty() ? *request_.format : format_of(api::volume_formats(), format);
+        return keep(run_interruptible(running.threads, running.progress, [&](const Control& control) {
+            api::Timings timings;
+            return api::write_answer(request_, placed_, chosen, control, timings);
+        }));
+    }
+
+private:
+    Result<api::VolumeRequest> parsed(const OptionList& options) {
+        const auto list = text_options(options);
+        if (api::asks_for_solid(list)) return api::parse_solid(mesh_.emplace(body_).file({}), list, "", {});
+        const auto text = py::cast<std::string_view>(body_);
+        if (!py::isinstance<py::str>(body_)) return api::parse_volume(api::open_voxels(text, {}), list, "", {});
+        return api::JsonDocument::parse(text).and_then(
+            [](const api::JsonDocument& document) { return api::parse_volume(document.root(), {}, "", {}); });
+    }
+
+    Result<api::PlacedVolume> placed(const Running& running) const {
+        const auto* voxels = std::get_if<api::VoxelFile>(&request_.density);
+        api::Decode decode = embedded_decode(voxels != nullptr && voxels->decoder_bytes > 0);
+        if (mesh_) decode.surface = mesh_->decode().surface;
+        return run_interruptible(running.threads, running.progress, [&](const Control& control) {
+            api::Timings timings;
+            return api::place_volume(request_, decode, control, timings);
+        });
+    }
+
+    py::object body_;  ///< owns the bytes to which the request refers
+    std::optional<MeshInput> mesh_;
+    api::VolumeRequest request_;
+    api::PlacedVolume placed_;
+};
+
 AnswerPointer run_parsed(Result<api::ParsedPointer> parsed, bool has_pictures, const Running& running) {
     const api::ParsedPointer request = value_or_raise(std::move(parsed));
     const api::Decode decode = embedded_decode(has_pictures);
@@ -348,6 +391,7 @@ Extensions file_extensions() {
     append_extensions(api::sample_formats(), list);
     append_extensions(api::pixel_formats(), list);
     append_extensions(api::surface_formats(), list);
+    append_extensions(api::volume_formats(), list);
     append_extensions(api::analyze_formats(), list);
     return list;
 }
@@ -396,6 +440,11 @@ PYBIND11_MODULE(_core, module) {
         .def_property_readonly("has_texture", &SurfaceSample::has_texture)
         .def("write", &SurfaceSample::write, py::arg("format"), py::arg("running"));
 
+    py::class_<VolumeSample>(module, "VolumeSample")
+        .def(py::init<py::object, const OptionList&, const Running&>(), py::arg("body"), py::arg("options"),
+             py::arg("running"))
+        .def("write", &VolumeSample::write, py::arg("format"), py::arg("running"));
+
     module.def("answer_device", &answer_device, py::arg("picture"), py::arg("linear"), py::arg("options"),
                py::arg("running"));
     module.def("answer_sample", &answer_sample, py::arg("body"), py::arg("has_pictures"), py::arg("running"));
@@ -409,6 +458,7 @@ PYBIND11_MODULE(_core, module) {
     module.def("device_options", [] { return option_names(api::device_options()); });
     module.def("sample_options", [] { return option_names(api::sample_options()); });
     module.def("surface_options", [] { return option_names(api::surface_options()); });
+    module.def("volume_options", [] { return option_names(api::volume_options()); });
     module.def("pixel_options", [] { return option_names(api::pixel_options()); });
     module.def("analyze_options", [] { return option_names(api::analyze_options()); });
 }

@@ -33,6 +33,7 @@ struct Draft {
         source;  ///< features of the geometry; refers to the JSON document, which must still exist
     std::optional<std::string> object;  ///< name of an object of TopoJSON
     std::optional<Rectangle> rectangle;
+    std::optional<double> depth;  ///< of the domain of a mask
     Counting counting;
     std::optional<PropertyChoice> properties;
     bool multipoint = true;
@@ -117,6 +118,17 @@ Result<void> read_any_format(const Input& input, Draft& draft) {
     return {};
 }
 
+/// Reads a domain in the plane, or the domain of a mask with frames.
+Result<void> read_domain(const Input& input, Draft& draft) {
+    const auto* domain = std::get_if<JsonValue>(&input.value);
+    if (domain == nullptr || !domain->is_object() || !domain->find("depth"))
+        return assign(draft.rectangle, read_rectangle(input));
+    return read_box(input).map([&](const BoxDomain3& box) {
+        draft.rectangle = {box.sides.x, box.sides.y, box.periodic};
+        draft.depth = box.sides.z;
+    });
+}
+
 Result<void> read_fixed(const Input& input, const Limits& limits, Draft& draft) {
     draft.given.fixed = true;
     return assign(draft.request.run.fixed, read_points(input, limits));
@@ -127,7 +139,7 @@ constexpr std::array<OptionRule<Draft>, 8> kShapeRules = {{
     {"polygon", [](const Input& i, const Limits&, Draft& d) { return assign(d.polygon, read_ring(i)); }},
     {"holes", [](const Input& i, const Limits&, Draft& d) { return assign(d.holes, read_rings(i)); }},
     {"geometry", [](const Input& i, const Limits&, Draft& d) { return read_geometry(i, d); }},
-    {"domain", [](const Input& i, const Limits&, Draft& d) { return assign(d.rectangle, read_rectangle(i)); }},
+    {"domain", [](const Input& i, const Limits&, Draft& d) { return read_domain(i, d); }},
     {"density",
      [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.density, read_density(i, l)); }},
     {"fixed", read_fixed},
@@ -365,10 +377,11 @@ Result<void> settle_domain(Draft& draft) {
 }
 
 /// Completes a request for a threshold mask with its size and seed.
-Result<void> settle_mask(SampleRequest& request) {
+Result<void> settle_mask(std::optional<double> depth, SampleRequest& request) {
     const auto* torus = std::get_if<Rectangle>(&request.region.domain);
-    if (auto checked = check_mask(torus, request.field_of("format")); !checked) return checked;
+    if (auto checked = check_mask(torus, depth, request.field_of("format")); !checked) return checked;
     request.threshold_mask->torus = *torus;
+    request.threshold_mask->depth = depth;
     request.threshold_mask->seed = request.run.seed;
     return {};
 }
@@ -412,7 +425,7 @@ Result<SampleRequest> parse_sample(JsonValue root, const std::vector<TextOption>
     errors.add(check_quality(draft));
     const auto domain = settle_domain(draft);
     errors.add(domain);
-    if (domain && draft.request.threshold_mask) errors.add(settle_mask(draft.request));
+    if (domain && draft.request.threshold_mask) errors.add(settle_mask(draft.depth, draft.request));
     errors.add(settle_format(accept, draft));
     if (draft.request.output.format != nullptr && !draft.request.threshold_mask)
         errors.add(draft.request.output.format->check_drawing(draft.request.output.drawing,

@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <span>
 #include <stop_token>
 #include <string>
+#include <string_view>
 
 #include "api/input/file_formats.h"
 #include "api/output/body.h"
+#include "api/output/json_pieces.h"
 #include "api/run/deadline.h"
 #include "api/run/estimate.h"
 #include "api/run/options.h"
 #include "api/run/stopwatch.h"
+#include "core/geometry/point3.h"
 #include "core/result.h"
 #include "core/surface/surface_note.h"
 
@@ -54,6 +58,33 @@ std::string write_notes(std::span<const SurfaceNote> notes);
 
 /// Returns the notes for an HTTP header; the text is empty if there are none.
 std::string header_of(std::span<const SurfaceNote> notes);
+
+/// Appends the members of a JSON answer that describe the outcome of the run.
+template <class Placed>
+void append_outcome(std::string& out, const Placed& placed) {
+    if (placed.dots.stopped) out += ",\"partial\":true";
+    if (!placed.repairs.empty()) out.append(",\"repaired\":").append(write_notes(placed.repairs));
+    if (!placed.warnings.empty()) out.append(",\"warnings\":").append(write_notes(placed.warnings));
+    out += ",\"trace\":";
+    append_trace(out, placed.dots.trace);
+    append_elapsed(out, placed.elapsed);
+}
+
+inline void append_position(std::string& out, const Point3& p) {
+    append_numbers(out, std::array{p.x, p.y, p.z});
+}
+
+/// Writes the member `mesh` of a JSON answer.
+/// @param name  name of the list of triangles or tetrahedra
+template <class Cell>
+void write_mesh(std::span<const Point3> vertices, std::string_view name, std::span<const Cell> cells, Body& body,
+                const std::stop_token& stop) {
+    body.text() += ",\"mesh\":{\"vertices\":";
+    write_list(body, vertices, append_position, stop);
+    body.text().append(",\"").append(name).append("\":");
+    write_list(body, cells, append_indices, stop);
+    body.text() += '}';
+}
 
 /// Writes placed points. The parameters are those of write_answer() for each kind of request.
 template <class Request, class Placed>

@@ -78,10 +78,6 @@ Result<void> write_npy(const PlacedSurface& placed, Body& body, const std::stop_
     return {};
 }
 
-void append_triple(std::string& out, const Point3& p) {
-    append_numbers(out, std::array{p.x, p.y, p.z});
-}
-
 /// Writes the lists of colours and texture coordinates if the file has them.
 void write_properties(const PlacedSurface& placed, Body& body, const std::stop_token& stop) {
     std::string& text = body.text();
@@ -102,25 +98,12 @@ void write_properties(const PlacedSurface& placed, Body& body, const std::stop_t
     }
 }
 
-void write_triangulation(const SurfaceMesh& mesh, Body& body, const std::stop_token& stop) {
-    body.text() += ",\"mesh\":{\"vertices\":";
-    write_list(body, std::span(mesh.vertices), append_triple, stop);
-    body.text() += ",\"triangles\":";
-    write_list(body, std::span(mesh.triangles), append_indices, stop);
-    body.text() += '}';
-}
-
 void append_run(std::string& out, const PlacedSurface& placed) {
     append_member(out, "sites", std::uint64_t{placed.size()});
     append_member(out, "seed", placed.seed);
     append_member(out, "iterations", static_cast<std::uint64_t>(placed.dots.iterations));
     append_member(out, "variation", placed.dots.variation());
-    if (placed.dots.stopped) out += ",\"partial\":true";
-    if (!placed.repairs.empty()) out.append(",\"repaired\":").append(write_notes(placed.repairs));
-    if (!placed.warnings.empty()) out.append(",\"warnings\":").append(write_notes(placed.warnings));
-    out += ",\"trace\":";
-    append_trace(out, placed.dots.trace);
-    append_elapsed(out, placed.elapsed);
+    append_outcome(out, placed);
 }
 
 Result<void> write_json(const PlacedSurface& placed, Body& body, const std::stop_token& stop) {
@@ -129,14 +112,15 @@ Result<void> write_json(const PlacedSurface& placed, Body& body, const std::stop
         body.text().append(name);
         write_list(body, size, append_element, stop);
     };
-    write("{\"points\":", [&](std::string& out, std::size_t i) { append_triple(out, placed.place(i)); });
+    write("{\"points\":", [&](std::string& out, std::size_t i) { append_position(out, placed.place(i)); });
     write(",\"faces\":", [&](std::string& out, std::size_t i) { append_index(out, placed.face(i)); });
     write(",\"barycentric\":", [&](std::string& out, std::size_t i) { append_numbers(out, placed.weights(i)); });
-    write(",\"normals\":", [&](std::string& out, std::size_t i) { append_triple(out, placed.normal(i)); });
+    write(",\"normals\":", [&](std::string& out, std::size_t i) { append_position(out, placed.normal(i)); });
     write_properties(placed, body, stop);
     append_run(body.text(), placed);
     write_ranks(body, placed.dots.ranks, stop);
-    if (placed.dots.mesh) write_triangulation(*placed.dots.mesh, body, stop);
+    if (const auto& mesh = placed.dots.mesh)
+        write_mesh(std::span(mesh->vertices), "triangles", std::span(mesh->triangles), body, stop);
     body.text() += "}\n";
     return {};
 }

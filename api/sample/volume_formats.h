@@ -1,19 +1,36 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <span>
+#include <vector>
 
-#include "api/sample/placed_volume.h"
 #include "api/sample/space_format.h"
+#include "core/surface/surface_note.h"
+#include "core/volume/box_domain3.h"
+#include "core/volume/distribute_volume.h"
 
 namespace ccdt::api {
+
+/// Points that are placed in space. They can be written in several formats.
+struct PlacedVolume {
+    VolumeDistribution dots;
+    BoxDomain3 domain;  ///< not used for a solid
+    Quality quality = Quality::Standard;
+    std::uint64_t seed = 0;
+    std::vector<SurfaceNote> repairs = {};   ///< of the mesh that bounds a solid
+    std::vector<SurfaceNote> warnings = {};  ///< about this mesh
+    double elapsed = 0;                      ///< computing time so far, milliseconds
+
+    std::size_t size() const { return dots.points.size(); }
+};
 
 /// Format of an answer with points in space.
 ///
 /// JSON, CSV, NPY and PLY have the points as doubles. VTU is an unstructured grid of VTK (VTK XML, version 1.0) with
 /// raw appended data: a vertex cell for each point, or the tetrahedra. MSH is Gmsh's binary format 4.1, for tetrahedra.
-/// In VTU and MSH, tetrahedra that cross the border of a torus have copies of vertices beyond the border, which follow
-/// the other vertices. Errors: Unusable for a torus with so few points that tetrahedra are wider than half of it.
+/// In VTU and MSH, tetrahedra of a torus are unwrapped(). Errors: Unusable if that is not possible ("format").
 using VolumePointFormat = SpaceFormat<PlacedVolume>;
 
 /// Returns the formats, in the server's order of preference.

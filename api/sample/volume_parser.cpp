@@ -96,7 +96,11 @@ Result<void> check_quality(const VolumeRequest& request) {
     if (!std::holds_alternative<std::monostate>(request.density))
         return wrong("quality", "stealthy needs a uniform density");
     if (!request.run.fixed.empty()) return wrong("quality", "stealthy allows no fixed points");
-    return {};
+    constexpr double kFewest = 16;  // sites in a cube; with fewer, power above -100 dB may remain
+    const auto& [x, y, z] = request.domain.sides;
+    const double side = std::min({x, y, z});
+    if (static_cast<double>(request.run.sites) >= kFewest * (x / side) * (y / side) * (z / side)) return {};
+    return wrong("quality", "stealthy needs at least 16 sites for each cube with the shortest side of the torus");
 }
 
 /// Reads options and checks their combination.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <optional>
 #include <utility>
+#include <variant>
 
 #include "api/output/stage_costs.h"
 #include "api/run/stopwatch.h"
@@ -86,18 +87,27 @@ Result<Answer> run_volume(const VolumeRequest& request, const Decode& decode, co
 
 Cost cost_of(const VolumeRequest& request) {
     // Fitted to measured peaks of resident memory and to measured times; tests/api/cost_test.cpp compares the peaks.
-    constexpr Estimate kDraft{440, 120 * kMicrosecond}, kStandard{440, 100 * kMicrosecond};
-    constexpr Estimate kBest{440, 350 * kMicrosecond}, kStealthy{900, 800 * kMicrosecond},
-        kMesh{700, 20 * kMicrosecond};
+    constexpr Estimate kDraft{100, 34 * kMicrosecond}, kStandard{260, 38 * kMicrosecond};
+    constexpr Estimate kBest{300, 95 * kMicrosecond}, kStealthy{550, 135 * kMicrosecond};
+    constexpr Estimate kUneven{0, 65 * kMicrosecond};  // a density, or a solid
+    constexpr Estimate kMesh{750, 14 * kMicrosecond}, kProgressive{100, 7 * kMicrosecond};
+    constexpr Estimate kTriangle{300, 3.2 * kMicrosecond};                // of a mesh, as for points on its surface
+    constexpr double kInBlock = 1'200, kMaxInBlocks = 4.0 * (1U << 14U);  // sites of blocks that are relaxed at a time
     const VolumeOptions& run = request.run;
     Estimate site = run.quality == Quality::Draft      ? kDraft
                     : run.quality == Quality::Standard ? kStandard
                     : run.quality == Quality::Best     ? kBest
                                                        : kStealthy;
+    if (request.solid || !std::holds_alternative<std::monostate>(request.density)) site = site + kUneven;
     if (run.keep_mesh) site = site + kMesh;
-    const Estimate points = site * static_cast<double>(run.sites + run.fixed.size()) +
+    if (request.order == PointOrder::Progressive) site = site + kProgressive;
+    const auto count = static_cast<double>(run.sites + run.fixed.size());
+    const Estimate points = site * count + Estimate{kInBlock * std::min(count, kMaxInBlocks), 0} +
                             request.format->per_site * static_cast<double>(run.sites);
-    Cost cost = total_cost(voxel_cost(request.density) + points);
+    const SurfaceHeader mesh = request.solid ? request.solid->header : SurfaceHeader{};
+    const Estimate read{static_cast<double>(mesh.decoder_bytes), 0};
+    Cost cost = total_cost(
+        then(read, voxel_cost(request.density) + kTriangle * static_cast<double>(mesh.max_triangles) + points));
     cost.answer = run.sites * request.format->least;
     return cost;
 }

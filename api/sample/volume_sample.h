@@ -6,8 +6,8 @@
 #include "api/image/image_codec.h"
 #include "api/output/body.h"
 #include "api/run/options.h"
-#include "api/sample/placed_volume.h"
-#include "api/sample/volume_request.h"
+#include "api/sample/volume_formats.h"
+#include "api/sample/volume_parser.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
 
@@ -32,9 +32,9 @@ Result<Answer> write_answer(const VolumeRequest& request, const PlacedVolume& pl
 /// @param sink     receives the body in pieces if the body is larger than Body::kMaxInMemory; null: the answer contains
 ///                 the whole body
 /// @returns        the answer; without its body if the sink received the body
-/// Errors: those of `decode`, VoxelDensity::create() and distribute_in_volume(); for a solid, those of Surface::create(),
-/// Solid::create() and distribute_in_solid(); those of the format; Stopped, unless the request accepts a partial result.
-/// The same request gives the same bytes, except for `elapsed_ms` in JSON.
+/// Errors: those of `decode`, VoxelDensity::create() and distribute_in_volume(); for a solid, those of
+/// Surface::create(), Solid::create() and distribute_in_solid(); those of the format; Stopped, unless the request
+/// accepts a partial result. The same request gives the same bytes, except for `elapsed_ms` in JSON.
 Result<Answer> run_volume(const VolumeRequest& request, const Decode& decode, const Control& control, Timings& timings,
                           BodySink* sink = nullptr);
 

@@ -7,23 +7,29 @@
 
 namespace ccdt {
 
-/// Ranks the pixels of a tile. For any rank, the pixels with lower ranks are spread evenly, and so are the other
-/// pixels. The ranks are thresholds for dithering, or a progressive order of grid points. The tile repeats seamlessly.
+/// Ranks the pixels of a tile, or of each frame of an animated tile. For any rank, the pixels of a frame with lower
+/// ranks are spread evenly, and so are the other pixels. In an animated tile, the frames in which a pixel has a lower
+/// rank are spread evenly in time, too. The ranks are thresholds for dithering, or a progressive order of grid points.
+/// The tile repeats seamlessly, also in time.
 ///
-/// First, half of the pixels are chosen: one at random from each horizontal pair. The chosen pixels move to
-/// neighbouring pixels as long as that lowers the sum of Gaussians between all chosen pixels. They get the lower half
-/// of the ranks, in descending order: each time, the pixel with the largest sum of the other pixels' Gaussians is
-/// removed and gets the highest free rank. When only a 16th of the tile is left, the Gaussians no longer overlap, and
-/// progressive_order() ranks the remaining pixels. The other pixels get the upper half of the ranks in the same way,
-/// but in ascending order.
+/// The crowding of a pixel is the sum of two-dimensional Gaussians of the chosen pixels of the same frame, and of
+/// one-dimensional Gaussians of the same pixel in those frames where it is chosen. First, half of the pixels of each
+/// frame are chosen: one at random from each horizontal pair. The chosen pixels move to neighbouring pixels as long as
+/// that lowers the crowding. They get the lower half of the ranks, in descending order: the frames in turn lose their
+/// most crowded pixel, which gets the highest free rank. As fewer pixels are left, the Gaussians grow. The other pixels
+/// get the upper half of the ranks in the same way, but in ascending order.
 ///
-/// @param width, height in pixels, >= 8; their ratio has the same limits as the sides of a torus
+/// @param width, height  in pixels, >= 8
+/// @param depth          number of frames, >= 1
 /// @param stop           polled regularly; a stop is not an error, but the returned ranks must not be used
-/// @returns              [width * height] row by row: a permutation of 0 to width * height - 1
+/// @returns              [depth * height * width] frame by frame and row by row: in each frame, a permutation of 0 to
+///                       width * height - 1
 ///
 /// Deterministic. O(n log n).
-/// Source: Ulichney 1993, "The void-and-cluster method for dither array generation". Departures: the start has half of
-/// the pixels, not a tenth; sets of few pixels are spread as evenly as sets of many.
-std::vector<std::uint32_t> threshold_mask(int width, int height, std::uint64_t seed, const std::stop_token& stop = {});
+/// Sources: Ulichney 1993, "The void-and-cluster method for dither array generation"; Wolfe, Morrical, Akenine-Moeller,
+/// Ramamoorthi 2022, "Spatiotemporal blue noise masks", for the crowding. Departures: the start has half of the pixels,
+/// not a tenth; growing Gaussians spread sets of few pixels as evenly as sets of many; all frames have the same ranks.
+std::vector<std::uint32_t> threshold_mask(int width, int height, int depth, std::uint64_t seed,
+                                          const std::stop_token& stop = {});
 
 }  // namespace ccdt

@@ -37,6 +37,7 @@ public:
     /// @param from  inside
     Point3 moved(Point3 from, Point3 to) const;
 
+    const Surface& surface() const { return solid_->surface(); }
     /// Returns the nearest point of the surface.
     Point3 foot(Point3 p) const { return solid_->surface().place(solid_->surface().nearest(p)); }
     /// Returns a distance that a point surely has from the surface. O(1).

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <stop_token>
 
@@ -11,8 +12,10 @@
 
 namespace ccdt {
 
-/// Triangulates points in a solid.
+/// Triangulates points in a solid, as in a box. Each point of the first layer has another vertex at the nearest point
+/// of the surface. Creases of the surface have vertices, too. The mesh consists of the tetrahedra whose middle is
+/// inside.
 TetrahedronMesh volume_mesh(const SolidDomain& domain, const VolumeSpacing& spacing, std::span<const Point3> points,
-                            const std::stop_token& stop);
+                            std::size_t free, const std::stop_token& stop);
 
 }  // namespace ccdt

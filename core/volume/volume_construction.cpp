@@ -107,7 +107,7 @@ public:
 
     VolumeDistribution result(bool keep_mesh) {
         VolumeDistribution result;
-        if (keep_mesh && !stopping()) result.mesh = volume_mesh(domain_, spacing_, sites_, control_.stop);
+        if (keep_mesh && !stopping()) result.mesh = volume_mesh(domain_, spacing_, sites_, free_, control_.stop);
         result.stopped = stopping();
         if (result.stopped) result.mesh.reset();
         result.trace = std::move(trace_);

@@ -33,8 +33,10 @@ struct VolumeDistribution {
     std::vector<Point3> points;  ///< [sites] in the domain; in a box or solid, strictly inside
     /// Capacity variation of the tetrahedra before each relaxation: standard deviation over mean.
     std::vector<double> trace;
-    bool stopped = false;                   ///< whether a stop ended the computation early; there is no mesh then
-    std::optional<TetrahedronMesh> mesh;    ///< its vertices are the points, the fixed points, then others
+    bool stopped = false;  ///< whether a stop ended the computation early; there is no mesh then
+    /// Its vertices are the points, the fixed points, then others. Those of the points are moved by up to half a
+    /// spacing, which makes small dihedral angles larger.
+    std::optional<TetrahedronMesh> mesh;
     std::vector<std::uint32_t> ranks = {};  ///< [points] rank of each point in a progressive order; may be empty
 };
 

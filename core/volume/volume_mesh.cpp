@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/volume/tetrahedron_quality.h"
 #include "core/volume/voxel_density.h"
 
 namespace ccdt {
@@ -13,6 +14,7 @@ namespace ccdt {
 namespace {
 
 constexpr double kFirstLayer = 0.75;  ///< thickness of the first layer, in spacings
+constexpr double kNarrowest = 6;      ///< side of a torus whose tetrahedra are improved, in spacings
 constexpr double kRim = 2;            ///< width of the rim of periodic copies at first, in spacings
 
 double circumradius(Point3 a, Point3 b, Point3 c, Point3 d) {
@@ -92,8 +94,23 @@ TetrahedronMesh box_mesh(const BoxDomain3& domain, const VolumeSpacing& spacing,
 }  // namespace
 
 TetrahedronMesh volume_mesh(const BoxDomain3& domain, const VolumeSpacing& spacing, std::span<const Point3> points,
-                            const std::stop_token& stop) {
-    return domain.periodic ? torus_mesh(domain, spacing, points, stop) : box_mesh(domain, spacing, points, stop);
+                            std::size_t free, const std::stop_token& stop) {
+    TetrahedronMesh mesh =
+        domain.periodic ? torus_mesh(domain, spacing, points, stop) : box_mesh(domain, spacing, points, stop);
+    const Point3 sides = domain.sides;
+    if (domain.periodic && std::min({sides.x, sides.y, sides.z}) < kNarrowest * spacing.mean()) return mesh;
+    const auto slide = [&](std::uint32_t v, Point3 to) {
+        if (v < free) return domain.inside(to);
+        const Point3 from = mesh.vertices[v];
+        if (v < points.size()) return from;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double side = along(sides, axis), own = along(from, axis);
+            along(to, axis) = own == 0 || own == side ? own : std::clamp(along(to, axis), 0.0, side);
+        }
+        return to;
+    };
+    improve_tetrahedra(mesh, domain.periodic ? sides : Point3{}, slide, stop);
+    return mesh;
 }
 
 }  // namespace ccdt

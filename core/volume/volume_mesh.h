@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <stop_token>
 
@@ -11,13 +12,14 @@
 
 namespace ccdt {
 
-/// Triangulates points. In a box, each point of the first layer has further vertices where it is projected to the faces
-/// and edges near it, and the corners of the box are vertices, too.
-/// @param points  in the domain
+/// Triangulates points by a Delaunay triangulation, which improve_tetrahedra() improves. In a box, each point of the
+/// first layer has further vertices where it is projected to the faces and edges near it, and the corners of the box
+/// are vertices, too.
+/// @param points  in the domain; the first `free` of them may move, to make small dihedral angles larger
 /// @param stop    after a stop, the mesh must not be used
 ///
 /// O(points log points).
 TetrahedronMesh volume_mesh(const BoxDomain3& domain, const VolumeSpacing& spacing, std::span<const Point3> points,
-                            const std::stop_token& stop);
+                            std::size_t free, const std::stop_token& stop);
 
 }  // namespace ccdt

@@ -11,6 +11,7 @@
 #include "api/output/formats.h"
 #include "api/sample/pixel_formats.h"
 #include "api/sample/surface_formats.h"
+#include "api/sample/volume_formats.h"
 #include "api/text/text.h"
 #include "server/cli/api_schema.h"
 
@@ -25,7 +26,8 @@ Formats joined(Formats first, const Formats& second) {
 }
 
 constexpr auto kHalftoneSchemas = std::to_array<std::string_view>({"HalftoneOptions", "DeviceOptions"});
-constexpr auto kSampleSchemas = std::to_array<std::string_view>({"SampleRequest", "PixelRequest", "SurfaceOptions"});
+constexpr auto kSampleSchemas =
+    std::to_array<std::string_view>({"SampleRequest", "PixelRequest", "SurfaceOptions", "VolumeOptions"});
 constexpr auto kAnalyzeSchemas = std::to_array<std::string_view>({"AnalyzeRequest"});
 
 constexpr auto kHalftoneExamples = std::to_array<std::string_view>({
@@ -42,6 +44,8 @@ constexpr auto kSampleExamples = std::to_array<std::string_view>({
     "ccdt sample --polygon @shape.json --density @weights.png --sites 1000 -o dots.svg",
     "ccdt sample bunny.obj --sites 4000 -o points.ply",
     "ccdt sample bunny.obj --sites 4000 --mesh -o remeshed.glb",
+    "ccdt sample bunny.obj --domain solid --sites 4000 --mesh -o tetrahedra.vtu",
+    "ccdt sample voxels.npy --domain box --sites 4000 -o points.ply",
 });
 constexpr auto kAnalyzeExamples = std::to_array<std::string_view>({
     "ccdt analyze points.csv -o spectrum.svg",
@@ -55,14 +59,15 @@ const std::array kCommands = {
             "applied.",
             kHalftoneExamples, kHalftoneSchemas,
             [] { return joined(api::files_of(api::halftone_formats()), api::files_of(api::device_formats())); }},
-    Command{"sample", "spread points evenly in areas and on surfaces", "[FILE...] [OPTION]...",
+    Command{"sample", "spread points evenly in areas, on surfaces and in space", "[FILE...] [OPTION]...",
             "A FILE is a map: a GeoJSON or TopoJSON document, a zip archive with a shapefile of polygons, or the JSON "
-            "of a request to the service; or a mesh: an STL, OBJ, PLY, OFF, GLB, or glTF file with embedded buffers. "
+            "of a request to the service; or a mesh: an STL, OBJ, PLY, OFF, GLB, or glTF file with embedded buffers; "
+            "or a density in space: an NPY file with an array (depth, height, width), or a TIFF with several pages. "
             "Without a FILE, an option gives the area: --domain, --polygon or --geometry.",
             kSampleExamples, kSampleSchemas,
             [] {
                 return joined(joined(api::files_of(api::sample_formats()), api::files_of(api::pixel_formats())),
-                              api::files_of(api::surface_formats()));
+                              joined(api::files_of(api::surface_formats()), api::files_of(api::volume_formats())));
             }},
     Command{
         "analyze", "measure how evenly points are spread", "[POINTS...] [OPTION]...",

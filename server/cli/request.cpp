@@ -8,7 +8,9 @@
 #include "api/analyze/point_file_reader.h"
 #include "api/halftone/device_picture.h"
 #include "api/input/negotiation.h"
+#include "api/input/npy_reader.h"
 #include "api/json/json_document.h"
+#include "api/sample/voxel_input.h"
 #include "api/surface/surface_header.h"
 #include "api/text/base64.h"
 #include "api/text/numbers.h"
@@ -118,10 +120,16 @@ std::vector<const api::FileFormat*> formats_of(const Command& command, const Arg
 
 Result<ApiRequest> build_request(const Command& command, const Arguments& arguments, const std::string* input,
                                  std::string_view accept) {
-    const bool is_mesh = input != nullptr && command.name == "sample" && api::recognise_surface(*input);
-    if (input != nullptr && (is_mesh || takes_query(arguments)) && command.name != "analyze") {
-        ApiRequest request{*input, {}, std::string(accept)};
-        for (const auto& [option, value] : arguments.given) request.options.push_back({option->member, value});
+    const std::string* const density = arguments.find("density");
+    const bool has_voxels = input == nullptr && density != nullptr && api::is_npy(*density);
+    const std::string* const file = has_voxels ? density : input;
+    const bool is_binary =
+        file != nullptr && command.name == "sample" && (api::recognise_surface(*file) || api::is_voxel_file(*file));
+    if (file != nullptr && (is_binary || takes_query(arguments)) && command.name != "analyze") {
+        ApiRequest request{*file, {}, std::string(accept)};
+        for (const auto& [option, value] : arguments.given) {
+            if (&value != file) request.options.push_back({option->member, value});
+        }
         return request;
     }
     auto body = command.name == "analyze" ? build_analyze_body(arguments, input) : build_sample_body(arguments, input);
@@ -142,7 +150,8 @@ Result<void> read_value_files(Arguments& arguments) {
         auto content = read_file(value.substr(1), arguments.memory);
         if (!content)
             return failure(content.error().code, value.substr(1) + ": " + content.error().message, option->member);
-        value = begins_like_json(*content) ? *std::move(content) : R"({"image":")" + api::base64(*content) + R"("})";
+        value = begins_like_json(*content) || api::is_npy(*content) ? *std::move(content)
+                                                                    : R"({"image":")" + api::base64(*content) + R"("})";
     }
     return {};
 }

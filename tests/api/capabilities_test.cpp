@@ -207,8 +207,7 @@ TEST(Capabilities, ListVolumesWithDocumentedFormatsAndOptions) {
     std::set<std::string> names;
     for (const auto& [name, schema] : documented.items()) names.insert(name);
     EXPECT_EQ(volumes.at("options").get<std::set<std::string>>(), names);
-    EXPECT_EQ(all(volumes.at("formats"), "name"),
-              documented.at("format").at("enum").get<std::vector<std::string>>());
+    EXPECT_EQ(all(volumes.at("formats"), "name"), documented.at("format").at("enum").get<std::vector<std::string>>());
     EXPECT_EQ(all(volumes.at("inputs"), "name"), (std::vector<std::string>{"npy", "tiff"}));
     EXPECT_EQ(row_of(volumes.at("formats"), "msh").at("needs"), Json::parse(R"(["mesh"])"));
 }

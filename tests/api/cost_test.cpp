@@ -22,6 +22,8 @@
 #include "api/sample/surface_parser.h"
 #include "api/sample/surface_sample.h"
 #include "api/sample/threshold_mask.h"
+#include "api/sample/volume_parser.h"
+#include "api/sample/volume_sample.h"
 #include "tests/api/files.h"
 #include "tests/api/image/rasters.h"
 #include "tests/support/surfaces.h"
@@ -400,6 +402,30 @@ TEST(SurfaceCost, BoundsMemoryUsed) {
             if (!run_surface(*request, decode, {}, timings)) std::abort();
         };
         expect_near(cost_of(*request), 3, work, std::to_string(columns) + ' ' + options.back().name);
+    }
+}
+
+TEST(VolumeCost, BoundsMemoryUsed) {
+    if (!kMemoryIsOurs) GTEST_SKIP() << "sanitizers use memory of their own";
+    const std::string torus =
+        R"({"sites":30000,"domain":{"type":"torus","width":1,"height":1,"depth":1},"format":"npy")";
+    std::string box = torus, voxels = "{\"width\":100,\"height\":100,\"depth\":100,\"values\":[";
+    box.replace(box.find("torus"), 5, "box");
+    for (int i = 0; i < 1'000'000; ++i) voxels += i % 100 < 50 ? "1," : "2,";
+    voxels.back() = ']';
+    const std::string few = R"({"sites":10,"domain":{"type":"box","width":1,"height":1,"depth":1},"density":)";
+    for (const std::string& body :
+         {torus + R"(,"quality":"draft","mesh":true)", box, torus + R"(,"quality":"stealthy")",
+          box + R"(,"order":"progressive")", few + voxels + '}'}) {
+        const auto document = JsonDocument::parse(body + '}');
+        ASSERT_TRUE(document) << document.error().message;
+        const auto request = parse_volume(document->root(), {}, "", {});
+        ASSERT_TRUE(request) << request.error().message;
+        const auto work = [&] {
+            Timings timings;
+            if (!run_volume(*request, {}, {}, timings)) std::abort();
+        };
+        expect_near(cost_of(*request), 3, work, body.substr(0, 200));
     }
 }
 

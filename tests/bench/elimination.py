@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs Yuksel's sample elimination on the surface of a mesh, with the header of a copy of his library.
+"""Runs Yuksel's sample elimination on a surface or in space, with the header of a copy of his library.
 
     git clone https://github.com/cemyuksel/cyCodeBase
 """
@@ -21,19 +21,22 @@ PROGRAM = """
 
 #include "cySampleElim.h"
 
-// Reads numbers of samples and points, the area, and samples as text. Writes the milliseconds and the chosen points.
+// Reads numbers of samples and points, the number of dimensions, the area or volume, whether the unit cube is a torus,
+// and samples as text. Writes the milliseconds and the chosen points.
 int main() {
     std::size_t samples, count;
-    double area;
-    if (std::scanf("%zu %zu %lf", &samples, &count, &area) != 3) return 1;
+    int dimensions, is_torus;
+    double size;
+    if (std::scanf("%zu %zu %d %lf %d", &samples, &count, &dimensions, &size, &is_torus) != 5) return 1;
     std::vector<cy::Vec3d> given(samples), chosen(count);
     for (auto& p : given) {
         if (std::scanf("%lf %lf %lf", &p.x, &p.y, &p.z) != 3) return 1;
     }
     const auto begin = std::chrono::steady_clock::now();
     cy::WeightedSampleElimination<cy::Vec3d, double, 3, std::size_t> elimination;
-    const double reach = 2 * elimination.GetMaxPoissonDiskRadius(2, count, area);
-    elimination.Eliminate(given.data(), samples, chosen.data(), count, false, reach, 2);
+    const double reach = 2 * elimination.GetMaxPoissonDiskRadius(dimensions, count, size);
+    elimination.SetTiling(is_torus != 0);
+    elimination.Eliminate(given.data(), samples, chosen.data(), count, false, reach, dimensions);
     const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - begin;
     std::printf("%.3f\\n", elapsed.count());
     for (const auto& p : chosen) std::printf("%.17g %.17g %.17g\\n", p.x, p.y, p.z);
@@ -59,9 +62,15 @@ class Elimination:
     def __exit__(self, *_):
         self.folder.cleanup()
 
-    def choose(self, samples, count, area):
-        """Chooses points among samples, and returns them with the milliseconds of the choice."""
-        text = f"{len(samples)} {count} {area!r}\n" + "\n".join(" ".join(map(repr, p)) for p in samples.tolist())
+    def choose(self, samples, count, size, dimensions=2, is_torus=False):
+        """Chooses points among samples, and returns them with the milliseconds of the choice.
+
+        Args:
+            size: area of the surface, or volume.
+            is_torus: whether the domain is the unit cube with joined faces.
+        """
+        rows = (" ".join(map(repr, p)) for p in samples.tolist())
+        text = f"{len(samples)} {count} {dimensions} {size!r} {int(is_torus)}\n" + "\n".join(rows)
         done = subprocess.run([self.program], input=text, capture_output=True, text=True, check=True, timeout=3600)
         elapsed, *rows = done.stdout.splitlines()
         return numpy.array([row.split() for row in rows], dtype=float), float(elapsed)

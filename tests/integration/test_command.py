@@ -13,7 +13,9 @@ import subprocess
 import tempfile
 import time
 import unittest
+import urllib.parse
 
+import numpy
 from PIL import Image
 
 from harness import PATIENCE, PICTURES, POLYGONS, ROOT, ServerCase, data_uri, execute, pixels, post_json, wait_until
@@ -102,6 +104,18 @@ class Answers(ServerCase, Folder):
             "sites": 200, "format": "csv"})
         self.compare(served, "sample", "--polygon", f"@{polygon}", "--density", f"@{PICTURE}", "--sites", 200,
                      "--format", "csv")
+
+    def test_points_in_space_equal_those_of_the_service(self):
+        voxels = self.folder / "voxels.npy"
+        numpy.save(voxels, numpy.arange(1, 9).reshape(2, 2, 2))
+        domain = '{"type":"box","width":2,"height":1,"depth":1}'
+        query = urllib.parse.urlencode({"domain": domain, "sites": 60, "format": "vtu", "mesh": "true"})
+        served = self.ask("/sample?" + query, data=voxels.read_bytes())
+        options = ("--domain", domain, "--sites=60", "--format=vtu", "--mesh")
+        self.compare(served, "sample", voxels, *options)
+        self.compare(served, "sample", "--density", f"@{voxels}", *options)
+        served = self.ask("/sample?domain=torus&depth=4&sites=60&format=csv", data=voxels.read_bytes())
+        self.compare(served, "sample", voxels, "--domain=torus", "--depth=4", "--sites=60", "--format=csv")
 
     def test_maps_take_options_that_the_service_takes_in_a_body(self):
         file = POLYGONS / "Italy-110m.geojson"

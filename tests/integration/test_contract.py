@@ -260,7 +260,7 @@ class Options(ContractCase):
         body = {**self.base(path, option), option: value}
         if option == "sites" and value > 1000:
             body.update({"iterations": 0, "format": "npy"})
-        if option == "format" and value in ("mask", "mask16"):
+        if option == "format" and value in ("mask", "mask16", "masknpy"):
             del body["sites"]
             body["domain"] = {"type": "torus", "width": 16, "height": 8}
         if (option, value) in NEED_A_WIDTH or option == "minutes":

@@ -318,6 +318,16 @@ class Masks(FormatCase):
             low = (frequency > 0) & (frequency < 0.25 * min(share, 1 - share) ** 0.5)
             self.assertLess(power[low].mean(), 0.1, share)  # 1 if pixels are chosen at random
 
+    def test_with_frames_are_stacked_pictures_or_an_array(self):
+        torus = {"type": "torus", "width": 24, "height": 16, "depth": 3}
+        made = {form: post_json(self.server, "/sample", {"format": form, "domain": torus}).body
+                for form in ("mask16", "masknpy")}
+        frames = numpy.load(io.BytesIO(made["masknpy"]))
+        self.assertEqual((frames.shape, frames.dtype), ((3, 16, 24), numpy.uint16))
+        for frame in frames:
+            self.assertTrue((numpy.sort(frame.ravel()) == numpy.arange(16 * 24) * 65536 // (16 * 24)).all())
+        self.assertTrue((numpy.array(Image.open(io.BytesIO(made["mask16"]))) == frames.reshape(48, 24)).all())
+
 
 class Accepted(FormatCase):
     """The header Accept chooses the format if the option `format` is absent."""

@@ -34,6 +34,7 @@ PHOTOS = {
 }
 TORUS = {"type": "torus", "width": 1, "height": 1}
 RECTANGLE = {"type": "rectangle", "width": 3, "height": 2}
+SPACE = {"type": "box", "width": 3, "height": 2, "depth": 1}
 GRID = {"width": 3, "height": 2, "values": [1, 2, 0.5, 0, 3, 1]}
 TRIANGLE = [[0, 0], [4, 0], [1, 3]]
 
@@ -118,8 +119,10 @@ def samples(formats, methods):
                                          "domain": RECTANGLE}
     for place, order in itertools.product(domains, ("none", "path", "progressive")):
         yield f"{place} {order}", {"sites": 300, "order": order, "format": "csv", **domains[place]}
-    for form in ("mask", "mask16"):
-        yield "tile " + form, {"format": form, "seed": 3, "domain": {"type": "torus", "width": 48, "height": 32}}
+    tile = {"type": "torus", "width": 48, "height": 32}
+    for form in ("mask", "mask16", "masknpy"):
+        yield "tile " + form, {"format": form, "seed": 3, "domain": tile}
+        yield f"tile {form} frames", {"format": form, "seed": 3, "domain": {**tile, "depth": 4}}
     for form in ("json", "csv", "png", "npy"):
         yield f"pixels {form}", {"sites": 400, "format": form, "domain": {"type": "pixels", "width": 60, "height": 40}}
     yield "pixels by density", {"sites": 900, "seed": 3, "density": GRID, "calibration": {"width": 8, "height": 8},
@@ -146,6 +149,12 @@ def samples(formats, methods):
     yield "map lonlat", {"coordinates": "lonlat", "fixed": FIXED[:2], "buffer": 2000, **people}
     for place, domain in domains.items():
         yield f"{place} fixed", {"sites": 300, "fixed": FIXED, **domain}
+    for kind, quality in itertools.product(("box", "torus"), QUALITIES):
+        yield f"space {kind} {quality}", {"sites": 300, "quality": quality, "domain": {**SPACE, "type": kind}}
+    for form in ("json", "csv", "npy", "ply", "vtu", "msh"):
+        yield f"space {form}", {"sites": 200, "format": form, "mesh": True, "order": "progressive", "domain": SPACE,
+                                "density": {**GRID, "depth": 1}, "fixed": [[1, 1, 0.5]]}
+    yield "space stealthy", {"sites": 300, "quality": "stealthy", "domain": {**SPACE, "type": "torus"}}
     yield "fixed lonlat", {"fixed": LAKE[0], "coordinates": "lonlat", **italy}
 
 

@@ -11,6 +11,7 @@ from PIL import Image
 from scipy.spatial import cKDTree
 
 from harness import ServerCase, post_json, wait_until
+from test_surfaces import SPHERE
 
 TORUS = {"type": "torus", "width": 2, "height": 1, "depth": 1}
 BOX = {"type": "box", "width": 1, "height": 1, "depth": 1}
@@ -109,6 +110,22 @@ class Points(VolumeCase):
         lines = self.ask(job + "/result").body.decode().split("\r\n")
         table = numpy.array([line.split(",") for line in lines[1:-1]], float)
         numpy.testing.assert_array_equal(table, self.table("sites=80", npy_of(VOXELS)))
+
+
+class Solids(VolumeCase):
+    def test_hold_the_points(self):
+        points = self.table("sites=500&domain=solid", SPHERE)
+        radii = numpy.linalg.norm(points, axis=1)
+        self.assertEqual(len(points), 500)
+        self.assertLess(radii.max(), 0.97)
+        self.assertLess(abs(points.mean(axis=0)).max(), 0.02)
+
+    def test_take_forms_with_voxels(self):
+        voxels = npy_of(numpy.array([[[1, 0]]]))
+        answer = self.form(mesh=SPHERE, density=voxels, domain="solid", sites=200, format="npy")
+        points = numpy.load(io.BytesIO(answer.body))
+        self.assertEqual(points.shape, (200, 3))
+        self.assertLessEqual(points[:, 0].max(), 0)
 
 
 class Meshes(VolumeCase):

@@ -24,7 +24,8 @@ from harness import PICTURES, POLYGONS, ROOT, Server, ask, execute, post_json  #
 CMAKE = os.environ["CCDT_CMAKE"]
 EXAMPLE = pathlib.Path(__file__).resolve().parent / "example"
 WARNINGS = ("-std=c++20", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
-HEADERS = {"abi.h", "analysis.h", "ccdt.h", "control.h", "domain.h", "exception.h", "halftone.h", "sample.h", "service.h"}
+HEADERS = {"abi.h", "analysis.h", "ccdt.h", "control.h", "domain.h", "exception.h", "halftone.h", "sample.h", "service.h",
+           "volume.h"}
 COMPILERS = [name for name in ("g++", "clang++") if shutil.which(name)]
 
 # Codes of failures, in the order of ccdt::FailureCode.
@@ -235,6 +236,20 @@ class Case(unittest.TestCase):
         self.assertEqual(self.memory["uniform"], uniform)
         ordered = self.sample({**TORUS, "sites": 500, "quality": "stealthy", "order": "progressive"})["points"]
         self.assertEqual([uniform[i] for i in self.memory["order"]], ordered)
+
+    def test_points_in_space_are_those_of_the_service(self):
+        sides = {"width": 1, "height": 1, "depth": 1}
+        box = {"sites": 200, "domain": {**sides, "type": "box", "width": 2}, "order": "progressive", "mesh": True,
+               "density": {"width": 1, "height": 1, "depth": 2, "values": [1, 3]}, "fixed": [[1, 0.5, 0.5]]}
+        answer = post_json(self.installed.server, "/sample", box).json()
+        self.assertEqual(self.memory["box"], answer["points"])
+        self.assertEqual(self.memory["tetrahedra"], answer["mesh"]["tetrahedra"])
+        torus = {"sites": 100, "domain": {**sides, "type": "torus"}, "quality": "stealthy"}
+        self.assertEqual(self.memory["torus"], post_json(self.installed.server, "/sample", torus).json()["points"])
+        off = b"OFF 4 4 0\n0 0 0 1 0 0 0 1 0 0 0 1\n3 0 2 1 3 0 1 3 3 0 3 2 3 1 2 3\n"
+        inside = ask(self.installed.server, "/sample?domain=solid&sites=50", data=off).json()["points"]
+        self.assertEqual(self.memory["solid"], inside)
+        self.assertEqual(self.memory["open solid"][0], UNUSABLE)
 
     def test_analyses_are_those_of_the_service(self):
         answer = post_json(self.installed.server, "/analyze", {**TORUS, "points": self.memory["uniform"]}).json()

@@ -3,6 +3,7 @@
 
 import io
 import json
+import pickle
 import typing
 import urllib.parse
 
@@ -121,12 +122,52 @@ def test_errors_about_meshes_name_the_fault(mesh, options, field):
     assert raised.value.field == field
 
 
+VOXELS = np.array([[[1, 2], [3, 4]], [[0, 1], [2, 0]]], dtype=np.float32)
+
+
+@pytest.mark.parametrize(("domain", "options"), [
+    (ccdt.Box(2, 1, 1), {"order": "progressive", "fixed": np.array([[0.5, 0.5, 0.25]])}),
+    (ccdt.Torus(1, 2, 1), {"quality": "stealthy", "mesh": True}), (ccdt.Box(1, 1, 2), {"seed": 3}),
+])
+def test_points_in_space_are_those_of_the_service(server, domain, options):
+    members = {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in options.items()}
+    box = {"type": type(domain).__name__.lower(), "width": domain.width, "height": domain.height, "depth": domain.depth}
+    expected = post_json(server, "/sample", {"sites": 200, "domain": box, **members}).json()
+    points = ccdt.sample(domain, 200, **options)
+    assert points.tolist() == expected["points"]
+    if "mesh" in options:
+        assert points.tetrahedra.tolist() == expected["mesh"]["tetrahedra"]
+        assert points.vertices.tolist() == expected["mesh"]["vertices"]
+        assert points.write("vtu").startswith(b"<?xml")
+    assert Client(server.url("")).sample(domain, 200, **options).json()["points"] == expected["points"]
+    assert pickle.loads(pickle.dumps(points)).write("csv") == points.write("csv")
+
+
+def test_voxels_are_those_of_the_service(server):
+    values = {"width": 2, "height": 2, "depth": 2, "values": VOXELS.ravel().tolist()}
+    box = {"type": "box", "width": 1, "height": 1, "depth": 1}
+    expected = post_json(server, "/sample", {"sites": 100, "domain": box, "density": values}).json()["points"]
+    assert ccdt.sample(ccdt.Box(), 100, density=VOXELS).tolist() == expected
+    with pytest.raises(ccdt.Error, match="density"):
+        ccdt.sample(ccdt.Box(), 100, density=-VOXELS)
+
+
+def test_points_in_solids_are_inside():
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    solid = ccdt.Solid(ccdt.Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]))
+    points = ccdt.sample(solid, 60, density=VOXELS)
+    assert points.shape == (60, 3) and (points > 0).all() and (points.sum(1) < 1).all()
+
+
+@pytest.mark.parametrize("depth", [None, 3])
 @pytest.mark.parametrize("bits", [8, 16])
-def test_masks_are_those_of_the_service(server, bits):
+def test_masks_are_those_of_the_service(server, bits, depth):
     name = {8: "mask", 16: "mask16"}[bits]
-    body = {"domain": {"type": "torus", "width": 16, "height": 32}, "seed": 4, "format": name}
-    expected = np.asarray(post_json(server, "/sample", body).picture())
-    found = ccdt.mask(16, 32, seed=4, bits=bits)
+    torus = {"type": "torus", "width": 16, "height": 32, **({"depth": depth} if depth else {})}
+    expected = np.asarray(post_json(server, "/sample", {"domain": torus, "seed": 4, "format": name}).picture())
+    found = ccdt.mask(16, 32, depth, seed=4, bits=bits)
+    assert found.shape == ((32, 16) if depth is None else (3, 32, 16))
+    found = found.reshape(-1, 16)
     assert found.dtype == (np.uint8 if bits == 8 else np.uint16)
     assert np.array_equal(found, expected)
 
@@ -180,6 +221,9 @@ def test_options_have_the_names_of_the_tables():
     assert set(_options.all_names(_options.SampleOptions)) | shapes | parameters == set(_core.sample_options()) - hidden
     assert (set(_options.all_names(_options.PixelOptions)) | {"domain"} | parameters
             == set(_core.pixel_options()) - hidden)
-    assert (set(_options.all_names(_options.SurfaceOptions)) | parameters == set(_core.surface_options()) - hidden)
+    assert (set(_options.all_names(_options.SurfaceOptions)) | {"domain"} | parameters
+            == set(_core.surface_options()) - hidden)
+    sides = {"domain", "width", "height", "depth"}
+    assert set(_options.all_names(_options.VolumeOptions)) | sides | parameters == set(_core.volume_options()) - hidden
     analyze = set(typing.get_type_hints(ccdt.analyze)) - {"return", "threads", "progress"}
     assert analyze | {"sets"} == set(_core.analyze_options()) - hidden

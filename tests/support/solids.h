@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "core/surface/surface.h"
 #include "core/volume/solid.h"
+#include "core/volume/tetrahedron_mesh.h"
 #include "tests/support/surfaces.h"
 
 namespace ccdt::test {
@@ -27,6 +33,33 @@ inline Surface surface_of(const TriangleSoup& soup) {
 
 inline Solid solid_of(const TriangleSoup& soup) {
     return *Solid::create(surface_of(soup));
+}
+
+/// Returns the six dihedral angles of each tetrahedron of a mesh, sorted, in degrees.
+/// @param periods  sides of a torus; 0 for other domains
+inline std::vector<double> dihedral_angles(const TetrahedronMesh& mesh, Point3 periods = {}) {
+    std::vector<double> angles;
+    for (const Tetrahedron& corners : mesh.tetrahedra) {
+        std::array<Point3, 4> p;
+        for (std::size_t i = 0; i < 4; ++i) {
+            p[i] = mesh.vertices[corners[i]] - mesh.vertices[corners[0]];
+            if (periods.x > 0) {
+                p[i] = p[i] - Point3{periods.x * std::round(p[i].x / periods.x),
+                                     periods.y * std::round(p[i].y / periods.y),
+                                     periods.z * std::round(p[i].z / periods.z)};
+            }
+        }
+        for (std::size_t i = 0; i < 4; ++i) {
+            for (std::size_t j = i + 1; j < 4; ++j) {
+                const std::size_t k = i == 0 ? (j == 1 ? 2 : 1) : 0, l = 6 - i - j - k;
+                const Point3 a = cross(p[j] - p[i], p[k] - p[i]), b = cross(p[j] - p[i], p[l] - p[i]);
+                const double cosine = std::clamp(dot(a, b) / (length(a) * length(b)), -1.0, 1.0);
+                angles.push_back(std::acos(cosine) * 180 / std::numbers::pi);
+            }
+        }
+    }
+    std::ranges::sort(angles);
+    return angles;
 }
 
 }  // namespace ccdt::test

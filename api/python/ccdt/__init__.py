@@ -14,22 +14,22 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any, List
 
-from .domains import Mesh, Pixels, Rectangle, Torus
+from .domains import Box, Mesh, Pixels, Rectangle, Solid, Torus
 from .errors import Error
 
 if TYPE_CHECKING:
     from ._analysis import Analysis, analyze
     from ._halftone import DevicePicture, Halftone, halftone
-    from ._sample import Points, SurfacePoints, mask, sample
+    from ._sample import Points, SurfacePoints, VolumePoints, mask, sample
     from .client import Client
 
-__all__ = ["Analysis", "Client", "DevicePicture", "Error", "Halftone", "Mesh", "Pixels", "Points", "Rectangle",
-           "SurfacePoints", "Torus", "analyze", "halftone", "mask", "sample"]
+__all__ = ["Analysis", "Box", "Client", "DevicePicture", "Error", "Halftone", "Mesh", "Pixels", "Points", "Rectangle",
+           "Solid", "SurfacePoints", "Torus", "VolumePoints", "analyze", "halftone", "mask", "sample"]
 
 # Modules that are loaded when one of their names is first used.
 _MODULES = {"Analysis": "_analysis", "analyze": "_analysis", "Client": "client", "DevicePicture": "_halftone",
             "Halftone": "_halftone", "halftone": "_halftone", "Points": "_sample", "mask": "_sample",
-            "SurfacePoints": "_sample", "sample": "_sample"}
+            "SurfacePoints": "_sample", "VolumePoints": "_sample", "sample": "_sample"}
 
 
 def __getattr__(name: str) -> Any:

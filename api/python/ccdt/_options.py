@@ -103,6 +103,15 @@ class SurfaceOptions(TypedDict, total=False):
     order: str
 
 
+class VolumeOptions(TypedDict, total=False):
+    """Options of :func:`ccdt.sample` for a domain in space."""
+
+    fixed: Any
+    quality: str
+    mesh: bool
+    order: str
+
+
 class PixelOptions(TypedDict, total=False):
     """Options of :func:`ccdt.sample` for a raster of pixels."""
 

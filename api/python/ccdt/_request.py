@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import ast
 import base64
+import io
 import json
 import os
 from typing import Any, Dict, Mapping, Optional, Tuple, Union
@@ -15,7 +16,7 @@ import numpy.typing as npt
 from . import _core
 from ._files import read_file
 from ._options import Progress, mesh_texts
-from .domains import Mesh, jsonable, region_members
+from .domains import Mesh, Solid, domain_member, jsonable, region_members
 from .errors import Error
 
 # A picture for the extension module: the bytes of a file, or an array [height, width, channels].
@@ -54,8 +55,6 @@ def array_picture(array: npt.NDArray[Any], name: str = "picture") -> npt.NDArray
 
 def pillow_picture(image: Any, name: str) -> Picture:
     """Returns the upright pixels of an image of Pillow, or a TIFF file if its colours must be converted."""
-    import io
-
     from PIL import ImageOps
 
     profile = image.info.get("icc_profile")
@@ -163,6 +162,29 @@ def surface_request(domain: Any, members: Mapping[str, Any]) -> Tuple[Any, Dict[
             raise Error(f"{name} must have a row for each of the {len(arrays[0])} vertices, not {len(arrays[-1])}",
                         field=name)
     return tuple(arrays), options
+
+
+def volume_request(domain: Any, members: Mapping[str, Any]) -> Tuple[Any, Dict[str, Any]]:
+    """Returns the arguments of the extension module for points in space: the body, and the options as text."""
+    density = members.get("density")
+    rest = {name: value for name, value in members.items() if name != "density"}
+    if density is not None:
+        density = _voxel_file(density)
+    if isinstance(domain, Solid):
+        mesh, options = surface_request(domain.mesh, {**rest, "domain": "solid"})
+        return mesh, options if density is None else {**options, "density": density}
+    if density is None:
+        return sample_body(domain, rest)[0], {}
+    return density, {**mesh_texts(rest, array_json), "domain": json_of(domain_member(domain), "domain")}
+
+
+def _voxel_file(density: Any) -> bytes:
+    """Returns voxels as the bytes of a file."""
+    if not isinstance(density, (np.ndarray, list, tuple)):
+        return read_file(density, "density")
+    file = io.BytesIO()
+    np.save(file, np.ascontiguousarray(density))
+    return file.getvalue()
 
 
 def _mesh_array(value: Any, name: str, dtype: Any, columns: int) -> npt.NDArray[Any]:

@@ -11,9 +11,9 @@ import numpy.typing as npt
 
 from . import _core
 from ._drawing import Drawing, Kept
-from ._options import PixelOptions, Progress, SampleOptions, SurfaceOptions, check_names
-from ._request import npy_array, running, sample_body, surface_request
-from .domains import Mesh, Pixels, Torus, is_mesh_file
+from ._options import PixelOptions, Progress, SampleOptions, SurfaceOptions, VolumeOptions, check_names
+from ._request import npy_array, running, sample_body, surface_request, volume_request
+from .domains import Box, Mesh, Pixels, Solid, Torus, is_in_space, is_mesh_file
 from .errors import Error
 
 if TYPE_CHECKING:
@@ -37,10 +37,11 @@ class Points(np.ndarray, Drawing):  # type: ignore[type-arg]
     _info: Optional[Dict[str, Any]]
 
     @classmethod
-    def _of(cls, kept: Kept, table: Floats, domain: Any, columns: Tuple[str, ...]) -> Points:
-        points = table[:, :2].view(cls)
+    def _of(cls, kept: Kept, table: Floats, domain: Any, columns: Tuple[str, ...] = ()) -> Points:
+        axes = table.shape[1] - len(columns)
+        points = table[:, :axes].view(cls)
         points._kept = kept
-        points._columns = {name: table[:, 2 + i].astype(np.uint32) for i, name in enumerate(columns)}
+        points._columns = {name: table[:, axes + i].astype(np.uint32) for i, name in enumerate(columns)}
         points._domain = domain
         return points
 
@@ -118,7 +119,19 @@ class Points(np.ndarray, Drawing):  # type: ignore[type-arg]
         return np.array(self.info["triangles"], dtype=np.uint32) if "triangles" in self.info else None
 
 
-class SurfacePoints(Points):
+class _SpacePoints(Points):
+    """Points with three coordinates."""
+
+    @property
+    def vertices(self) -> Optional[Floats]:
+        """Vertices of the triangulation, float64 [m, 3], beginning with the points; None without ``mesh=True``."""
+        return np.array(self.info["mesh"]["vertices"], dtype=np.float64) if "mesh" in self.info else None
+
+    def _repr_png_(self) -> Optional[bytes]:
+        return None
+
+
+class SurfacePoints(_SpacePoints):
     """Points on a surface as an array, float64 [n, 3], with the other members of the answer."""
 
     @classmethod
@@ -162,19 +175,33 @@ class SurfacePoints(Points):
         return self._columns.get("texture")
 
     @property
-    def vertices(self) -> Optional[Floats]:
-        """Vertices of the triangulation, float64 [m, 3], beginning with the points; None without ``mesh=True``."""
-        return np.array(self.info["mesh"]["vertices"], dtype=np.float64) if "mesh" in self.info else None
-
-    @property
     def triangles(self) -> Optional[npt.NDArray[np.uint32]]:
         """Indices of each triangle's vertices, uint32 [t, 3]; None without ``mesh=True``."""
         return np.array(self.info["mesh"]["triangles"], dtype=np.uint32) if "mesh" in self.info else None
 
-    def _repr_png_(self) -> Optional[bytes]:
+
+class VolumePoints(_SpacePoints):
+    """Points in space as an array, float64 [n, 3], with the other members of the answer."""
+
+    @property
+    def ranks(self) -> Optional[npt.NDArray[np.uint32]]:
+        """None, because points in a progressive order are in the order of their ranks."""
         return None
 
+    @property
+    def variation(self) -> float:
+        """Standard deviation of the capacities of tetrahedra before the last iteration, relative to their mean."""
+        return float(self.variations[-1])
 
+    @property
+    def tetrahedra(self) -> Optional[npt.NDArray[np.uint32]]:
+        """Indices of each tetrahedron's vertices, uint32 [t, 4]; None without ``mesh=True``."""
+        return np.array(self.info["mesh"]["tetrahedra"], dtype=np.uint32) if "mesh" in self.info else None
+
+
+@overload
+def sample(domain: Union[Box, Solid], sites: int, *, density: Any = None, seed: int = 0, threads: Optional[int] = None,
+           progress: Progress = None, **options: Unpack[VolumeOptions]) -> VolumePoints: ...
 @overload
 def sample(domain: Mesh, sites: int, *, density: Any = None, seed: int = 0, threads: Optional[int] = None,
            progress: Progress = None, **options: Unpack[SurfaceOptions]) -> SurfacePoints: ...
@@ -186,20 +213,23 @@ def sample(domain: Any, sites: Union[int, str, Dict[str, Any], None] = None, *, 
            threads: Optional[int] = None, progress: Progress = None, **options: Unpack[SampleOptions]) -> Points: ...
 def sample(domain: Any, sites: Any = None, *, density: Any = None, seed: int = 0, threads: Optional[int] = None,
            progress: Progress = None, **options: Any) -> Any:
-    """Spreads points evenly over an area or a surface, or chooses an exact number of pixels of a raster.
+    """Spreads points evenly over an area, a surface or a domain in space, or chooses an exact number of pixels.
 
     Options, ranges, defaults and positions are those of ``POST /sample`` of ccdt-server.
 
     Args:
         domain: positions [n, 2] of the corners of a polygon; GeoJSON or TopoJSON, as a dict or as the path of a file;
             an object with ``__geo_interface__``, such as a geometry of Shapely; :class:`Torus`; :class:`Rectangle`;
-            :class:`Pixels`; or a surface: :class:`Mesh`, or the file of a mesh (STL, OBJ, PLY, OFF, GLB, or glTF with
-            embedded buffers) as a path, bytes or an open file.
+            :class:`Pixels`; a surface: :class:`Mesh`, or the file of a mesh (STL, OBJ, PLY, OFF, GLB, or glTF with
+            embedded buffers) as a path, bytes or an open file; or a domain in space: :class:`Box`, a :class:`Torus`
+            with a depth, or :class:`Solid`.
         sites: exact number of points; in a dot map, the name of the property that has the counts.
         density: array [rows, columns] of values of at least 0, stretched over the bounding box of the area, with the
             first row at the smallest y (for pixels, at the top); or the file of a picture, in which dark is dense, as
             a path, bytes, or an open file. For a surface, ``"color"``, ``"curvature"``, or an array [n] of values at
-            the vertices; for STL and OBJ files, at the corners of all faces. Uniform by default.
+            the vertices; for STL and OBJ files, at the corners of all faces. In space, an array [depth, height, width]
+            of voxels, stretched over the domain or the bounding box of the solid, or a file of them (NPY, or a TIFF
+            with several pages). Uniform by default.
         seed: integer from 0 to 2^53 - 1. The same arguments give the same points.
         threads: number of threads; by default all processors. Results do not depend on it.
         progress: function that receives the completed share of the work, 0 to 1.
@@ -209,7 +239,7 @@ def sample(domain: Any, sites: Any = None, *, density: Any = None, seed: int = 0
 
     Returns:
         Points: float64 [n, 2], strictly inside the area. For pixels, an array [height, width] of bool, True for the
-        chosen ones. For a surface, SurfacePoints: float64 [n, 3].
+        chosen ones. For a surface, SurfacePoints: float64 [n, 3]. In space, VolumePoints: float64 [n, 3].
 
     Raises:
         Error: an option or the area is not usable. The message names the option and its limit.
@@ -218,6 +248,11 @@ def sample(domain: Any, sites: Any = None, *, density: Any = None, seed: int = 0
     if isinstance(domain, Mesh) or is_mesh_file(domain):
         check_names("sample", options, SurfaceOptions)
         return _sample_surface(domain, {"sites": sites, "density": density, "seed": seed, **options}, threads, progress)
+    if is_in_space(domain):
+        check_names("sample", options, VolumeOptions)
+        body, texts = volume_request(domain, {"sites": sites, "density": density, "seed": seed, **options})
+        solid = Kept(_core.VolumeSample, body, [*texts.items()])
+        return VolumePoints._of(solid, npy_array(solid.run(threads, progress).write("npy", running(threads))), domain)
     raster = isinstance(domain, Pixels)
     check_names("sample", options, PixelOptions if raster else SampleOptions)
     members = {"sites": sites, "density": density, "seed": seed, **options}
@@ -240,27 +275,29 @@ def _sample_surface(domain: Any, members: Dict[str, Any], threads: Optional[int]
                              texts.get("order") == "progressive")
 
 
-def mask(width: int, height: Optional[int] = None, *, seed: int = 0, bits: int = 8, threads: Optional[int] = None,
-         progress: Progress = None) -> npt.NDArray[Any]:
+def mask(width: int, height: Optional[int] = None, depth: Optional[int] = None, *, seed: int = 0, bits: int = 8,
+         threads: Optional[int] = None, progress: Progress = None) -> npt.NDArray[Any]:
     """Computes a threshold mask for dithering, which tiles without seams.
 
     A pixel of a picture that is lighter than the mask becomes white. All values are equally frequent.
 
     Args:
         width, height: size in pixels, 8 to 1024 each; by default, the mask is a square.
+        depth: number of frames of an animated mask, which is also even in time, 1 to 256; None: a single picture.
         seed: integer from 0 to 2^53 - 1.
         bits: 8 or 16, bits of each value.
         threads: number of threads; by default all processors.
         progress: function that receives the completed share of the work, 0 to 1.
 
     Returns:
-        uint8 or uint16 [height, width].
+        uint8 or uint16 [height, width], or [depth, height, width].
 
     Raises:
         Error: a side, the seed or the number of bits is out of range.
     """
-    torus = Torus(width, width if height is None else height)
+    torus = Torus(width, width if height is None else height, depth)
     if bits not in (8, 16):
         raise Error(f"bits must be 8 or 16, not {bits}", field="bits")
     body, _ = sample_body(torus, {"seed": seed, "format": "mask" if bits == 8 else "mask16"})
-    return _core.png_pixels(_core.answer_sample(body, False, running(threads, progress)))
+    pixels = _core.png_pixels(_core.answer_sample(body, False, running(threads, progress)))
+    return pixels if depth is None else pixels.reshape(depth, -1, width)

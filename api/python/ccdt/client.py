@@ -20,7 +20,7 @@ from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple
 
 from ._files import Path, read_file, write_file
 from ._options import Progress, mesh_texts, texts_of
-from .domains import domain_member, is_mesh_file, jsonable, region_members
+from .domains import Solid, domain_member, is_mesh_file, jsonable, region_members
 from .errors import Error
 
 Request = Tuple[str, bytes, str]  # path with query, body, media type
@@ -176,7 +176,8 @@ class Client:
 
         Args:
             domain: as for :func:`ccdt.sample`: corners of a polygon, GeoJSON, an object with ``__geo_interface__``,
-                a torus, a rectangle or a raster of pixels, or the file of a mesh. A :class:`ccdt.Mesh` is not accepted.
+                a torus, a rectangle, a box, a solid or a raster of pixels, or the file of a mesh. A :class:`ccdt.Mesh` is
+                not accepted. In space, a density is a JSON object of ``POST /sample``.
             sites: exact number of points.
             progress: as for :meth:`halftone`.
             **options: members of the body of ``POST /sample``, such as ``format="csv"``; for a mesh, its options.
@@ -255,6 +256,9 @@ def _halftone(picture: Any, options: Mapping[str, Any]) -> Request:
 
 
 def _sample(domain: Any, members: Mapping[str, Any]) -> Request:
+    if isinstance(domain, Solid):
+        members = {**members, "domain": "solid"}
+        domain = domain.mesh
     if is_mesh_file(domain):
         texts = mesh_texts(members, lambda value, name: json.dumps(value, default=jsonable, allow_nan=False))
         return "/sample?" + urllib.parse.urlencode(texts), read_file(domain, "domain"), "application/octet-stream"

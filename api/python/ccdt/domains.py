@@ -6,17 +6,21 @@ from __future__ import annotations
 import json
 import os
 from dataclasses import dataclass
-from typing import Any, Dict, Union
+from typing import Any, Dict, Optional, Union
 
 from .errors import Error
 
 
 @dataclass(frozen=True)
 class Torus:
-    """The area [0, width) x [0, height), whose opposite sides are joined. Points on it tile the plane."""
+    """The area [0, width) x [0, height), whose opposite sides are joined. Points on it tile the plane.
+
+    With a depth, it is a box whose opposite faces are joined.
+    """
 
     width: float = 1
     height: float = 1
+    depth: Optional[float] = None
 
 
 @dataclass(frozen=True)
@@ -25,6 +29,26 @@ class Rectangle:
 
     width: float = 1
     height: float = 1
+
+
+@dataclass(frozen=True)
+class Box:
+    """The domain [0, width] x [0, height] x [0, depth] in space."""
+
+    width: float = 1
+    height: float = 1
+    depth: float = 1
+
+
+@dataclass(frozen=True)
+class Solid:
+    """The inside of a closed surface.
+
+    Attributes:
+        mesh: a :class:`Mesh`, or the file of a mesh.
+    """
+
+    mesh: Any
 
 
 @dataclass(frozen=True)
@@ -63,26 +87,32 @@ def is_mesh_file(domain: Any) -> bool:
     return isinstance(domain, (bytes, bytearray, memoryview)) or hasattr(domain, "read")
 
 
-def domain_member(domain: Union[Torus, Rectangle, Pixels]) -> Dict[str, Any]:
+def is_in_space(domain: Any) -> bool:
+    """Returns whether a domain has three dimensions."""
+    return isinstance(domain, (Box, Solid)) or isinstance(domain, Torus) and domain.depth is not None
+
+
+def domain_member(domain: Union[Torus, Rectangle, Box, Pixels]) -> Dict[str, Any]:
     """Returns the member `domain` of a request."""
-    return {"type": type(domain).__name__.lower(), "width": domain.width, "height": domain.height}
+    return {"type": type(domain).__name__.lower(),
+            **{name: side for name, side in vars(domain).items() if side is not None}}
 
 
 def region_members(domain: Any) -> Dict[str, Any]:
     """Returns the member of a request that gives its area: `domain`, `geometry` or `polygon`."""
-    if isinstance(domain, (Torus, Rectangle, Pixels)):
+    if isinstance(domain, (Torus, Rectangle, Box, Pixels)):
         return {"domain": domain_member(domain)}
     if isinstance(domain, (str, os.PathLike)):
         domain = _read_json(domain)
     if hasattr(domain, "__geo_interface__"):
         domain = domain.__geo_interface__
     if isinstance(domain, dict):
-        return {"domain" if domain.get("type") in ("torus", "rectangle", "pixels") else "geometry": domain}
+        return {"domain" if domain.get("type") in ("torus", "rectangle", "box", "pixels") else "geometry": domain}
     if hasattr(domain, "__len__"):
         return {"polygon": domain}
     raise Error("domain must be the corners of a polygon, GeoJSON, the path of a file with GeoJSON or a mesh, an object "
-                f"with __geo_interface__, a mesh, a torus, a rectangle or pixels, not {type(domain).__name__}",
-                field="domain")
+                "with __geo_interface__, a mesh, a torus, a rectangle, a box, a solid or pixels, not "
+                + type(domain).__name__, field="domain")
 
 
 def jsonable(value: Any) -> Any:

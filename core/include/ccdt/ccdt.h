@@ -26,6 +26,7 @@
 #include "ccdt/exception.h"
 #include "ccdt/halftone.h"
 #include "ccdt/sample.h"
+#include "ccdt/volume.h"
 
 namespace ccdt::v1 {
 

@@ -6,6 +6,7 @@ import type { Job } from "./connection.js";
 import type {
   AnalyzeFormat, AnalyzeRequest, Answer, Bytes, Capabilities, DeviceFormat, DeviceOptions, FileInput, HalftoneFormat,
   HalftoneOptions, MapOptions, RequestOptions, SampleFormat, SampleRequest, SurfaceFormat, SurfaceOptions,
+  VolumeFormat, VolumeOptions,
 } from "./types.js";
 
 export { CcdtError, Connection, Job } from "./connection.js";
@@ -41,8 +42,8 @@ export class Client extends Connection {
     return this.#draw(picture, options, call);
   }
 
-  /** Spreads points in a polygon, a map, a rectangle, a torus or a raster. The default format is JSON. */
-  async sample<F extends SampleFormat = "json", C extends Call = {}>(
+  /** Spreads points in a polygon, a map, a rectangle, a torus, a raster or a box. The default format is JSON. */
+  async sample<F extends SampleFormat | VolumeFormat = "json", C extends Call = {}>(
     request: SampleRequest & { format?: F }, call?: C): Outcome<Answer<"/sample", F>, C> {
     return this.#compute("sample", { body: JSON.stringify(request), type: "application/json" }, call);
   }
@@ -56,14 +57,20 @@ export class Client extends Connection {
     return this.#compute("sample", { body }, call);
   }
 
-  /** Spreads points on the surface of a mesh in a file: STL, OBJ, PLY, OFF, GLB or glTF. The default format is JSON. */
-  async sampleMesh<F extends SurfaceFormat = "json", C extends Call = {}>(
-    mesh: FileInput, options: SurfaceOptions & { format?: F }, call?: C): Outcome<Answer<"/sample", F>, C> {
-    const body = new FormData();
-    body.append("file", new Blob([await this.#contentOf(mesh, call) as BlobPart]));
-    const texts = Object.entries(options).map(([name, value]) => [name, Array.isArray(value) ? JSON.stringify(value) : value]);
-    for (const [name, value] of parametersOf(Object.fromEntries(texts))) body.append(name, value);
-    return this.#compute("sample", { body }, call);
+  /**
+   * Spreads points on the surface of a mesh in a file or, with the domain `solid`, inside it. The file is STL, OBJ, PLY,
+   * OFF, GLB or glTF. The default format is JSON.
+   */
+  async sampleMesh<F extends SurfaceFormat | VolumeFormat = "json", C extends Call = {}>(
+    mesh: FileInput, options: (SurfaceOptions | VolumeOptions) & { format?: F },
+    call?: C): Outcome<Answer<"/sample", F>, C> {
+    return this.#sampleFile(mesh, options, call);
+  }
+
+  /** Spreads points in space with the density in a file of voxels: NPY or TIFF. The default format is JSON. */
+  async sampleVoxels<F extends VolumeFormat = "json", C extends Call = {}>(
+    voxels: FileInput, options: VolumeOptions & { format?: F }, call?: C): Outcome<Answer<"/sample", F>, C> {
+    return this.#sampleFile(voxels, options, call);
   }
 
   /** Measures how evenly points are spread. The default format is JSON. */
@@ -80,6 +87,14 @@ export class Client extends Connection {
   async #draw(picture: FileInput, options: object, call?: Call): Promise<any> {
     const body = await this.#contentOf(picture, call);
     return this.#compute(`halftone?${new URLSearchParams(parametersOf(options))}`, { body, type: "application/octet-stream" }, call);
+  }
+
+  async #sampleFile(file: FileInput, options: object, call?: Call): Promise<any> {
+    const body = new FormData();
+    body.append("file", new Blob([await this.#contentOf(file, call) as BlobPart]));
+    const texts = Object.entries(options).map(([name, value]) => [name, typeof value === "object" ? JSON.stringify(value) : value]);
+    for (const [name, value] of parametersOf(Object.fromEntries(texts))) body.append(name, value);
+    return this.#compute("sample", { body }, call);
   }
 
   async #compute(path: string, content: RequestOptions, { job, ...options }: Call = {}): Promise<any> {

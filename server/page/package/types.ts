@@ -7,7 +7,7 @@ type Schemas = components["schemas"];
 
 export type HalftoneOptions = Schemas["HalftoneOptions"];
 export type DeviceOptions = Schemas["DeviceOptions"];
-export type SampleRequest = Schemas["SampleRequest"] | Schemas["PixelRequest"];
+export type SampleRequest = Schemas["SampleRequest"] | Schemas["PixelRequest"] | Schemas["VolumeRequest"];
 export type AnalyzeRequest = Schemas["AnalyzeRequest"];
 export type Capabilities = Schemas["Capabilities"];
 export type JobState = Schemas["Job"];
@@ -18,13 +18,17 @@ export type OptionError = NonNullable<Schemas["Problem"]["errors"]>[number];
 /** Options for a map in a file. `sites` is a number or the name of the property that holds the counts. */
 export type MapOptions = Omit<Schemas["SampleOptions"], "sites"> & { sites?: number | string };
 
-/** Options for a mesh in a file. */
+/** Options for points on a mesh in a file. */
 export type SurfaceOptions = Schemas["SurfaceOptions"];
+
+/** Options for points in space, with a file of voxels or, with the domain `solid`, of a mesh. */
+export type VolumeOptions = Schemas["VolumeOptions"];
 
 export type HalftoneFormat = NonNullable<HalftoneOptions["format"]>;
 export type DeviceFormat = NonNullable<DeviceOptions["format"]>;
 export type SampleFormat = NonNullable<Schemas["SampleOptions"]["format"]>;
 export type SurfaceFormat = NonNullable<SurfaceOptions["format"]>;
+export type VolumeFormat = NonNullable<VolumeOptions["format"]>;
 export type AnalyzeFormat = NonNullable<AnalyzeRequest["format"]>;
 
 /** Media types of the formats, as in the answer of `/capabilities`. */
@@ -39,6 +43,7 @@ interface MediaTypes {
   png: "image/png";
   mask: "image/png";
   mask16: "image/png";
+  masknpy: "application/x-npy";
   webp: "image/webp";
   tiff: "image/tiff";
   bmp: "image/bmp";
@@ -52,6 +57,8 @@ interface MediaTypes {
   glb: "model/gltf-binary";
   obj: "model/obj";
   stl: "model/stl";
+  vtu: "application/x-vtu";
+  msh: "application/x-gmsh";
 }
 
 /** Content of an answer: an object for JSON and GeoJSON, a string for other text, otherwise a Blob. */

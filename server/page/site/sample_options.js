@@ -29,7 +29,7 @@ export const shapeFields = [
     help: "For a density, choose or drop an NPY file with an array (depth, height, width). Points are denser where its values are larger." },
   { kind: "numbers", name: "tile", label: "Sides in pixels", numbers: ["width", "height"].map((label) => ({ label, value: 64, min: 8, max: 1024, step: 1 })),
     help: "The page shows the repeated mask with one tile framed, and a picture and a grey ramp dithered with it. Pixels lighter than the mask become white." },
-  { kind: "choice", name: "format", label: "Thresholds", choices: masks.map(({ name, title }) => [name, title]) },
+  { kind: "choice", name: "format", label: "Thresholds", choices: masks.filter(({ media_type: type }) => type === "image/png").map(({ name, title }) => [name, title]) },
 ];
 
 /** Fields for the options that only surfaces have. */

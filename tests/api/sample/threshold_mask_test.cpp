@@ -40,6 +40,32 @@ TEST(Mask, IsAGreyPng) {
     }
 }
 
+std::string animated(const std::string& depth, const std::string& side = "16") {
+    return R"("domain":{"type":"torus","width":)" + side + R"(,"height":)" + side + R"(,"depth":)" + depth + '}';
+}
+
+TEST(Mask, HasItsFramesBelowEachOther) {
+    const auto made = answer(*parse(animated("3"), "mask"));
+    ASSERT_TRUE(made) << made.error().message;
+    EXPECT_EQ(made->body.substr(16, 8), std::string("\0\0\0\x10\0\0\0\x30", 8));
+}
+
+TEST(Mask, IsAnArrayOfFrames) {
+    const auto made = answer(*parse(animated("3"), "masknpy"));
+    ASSERT_TRUE(made) << made.error().message;
+    EXPECT_EQ(made->media_type, "application/x-npy");
+    EXPECT_NE(made->body.find("'<u2', 'fortran_order': False, 'shape': (3, 16, 16), }"), std::string::npos);
+    EXPECT_EQ(made->body.size() % 64, 3 * 16 * 16 * 2 % 64);
+    EXPECT_NE(answer(*parse(torus("16", "8"), "masknpy"))->body.find("(8, 16), }"), std::string::npos);
+}
+
+TEST(Mask, LimitsItsFrames) {
+    for (const auto& [depth, side] : {std::pair{"0", "16"}, {"257", "16"}, {"1.5", "16"}, {"5", "1024"}})
+        EXPECT_EQ(parse(animated(depth, side)).error().field, "/domain/depth") << depth;
+    EXPECT_TRUE(parse(animated("256")));
+    EXPECT_EQ(parse(R"("domain":{"type":"box","width":16,"height":16,"depth":2})").error().field, "/format");
+}
+
 TEST(Mask, RequiresATorusWithIntegerSides) {
     for (const std::string side : {"7", "1025", "64.5", "1e300"}) {
         EXPECT_EQ(parse(torus(side, "64")).error().field, "/domain/width") << side;

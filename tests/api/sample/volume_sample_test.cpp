@@ -209,6 +209,35 @@ TEST(VolumeSample, RefusesToSpreadATinyTorusInSpace) {
     EXPECT_EQ(refused.error().field, "/format");
 }
 
+/// A cube with the sides 2 and the centre (5, 5, 5), without some of its faces.
+std::string cube_file(std::size_t missing = 0) {
+    const std::vector<std::string> faces = {"4 0 2 3 1\n", "4 4 5 7 6\n", "4 0 1 5 4\n",
+                                            "4 2 6 7 3\n", "4 0 4 6 2\n", "4 1 3 7 5\n"};
+    std::string file = "OFF\n8 " + std::to_string(faces.size() - missing) + " 0\n";
+    for (int i = 0; i < 8; ++i) {
+        const auto place = [](int bit) { return bit != 0 ? "6" : "4"; };
+        file.append(place(i & 1)).append(" ").append(place(i & 2)).append(" ").append(place(i & 4)).append("\n");
+    }
+    for (std::size_t i = missing; i < faces.size(); ++i) file += faces[i];
+    return file;
+}
+
+TEST(VolumeSample, PlacesPointsInsideMeshes) {
+    const std::string voxels = npy_of<float>("<f4", {1, 1, 2}, {0, 1});
+    const Json json = json_of(answer(cube_file(), {{"sites", "60"},
+                                                   {"domain", "solid"},
+                                                   {"fixed", "[[5.5,5,5]]"},
+                                                   {"order", "progressive"},
+                                                   {"density", voxels}}));
+    ASSERT_EQ(json.at("points").size(), 60U);
+    for (const Point3& p : points_of(json.at("points"))) {
+        EXPECT_TRUE(p.x >= 5 && p.x < 6 && p.y > 4 && p.y < 6 && p.z > 4 && p.z < 6);
+        EXPECT_GT(length(p - Point3{5.5, 5, 5}), 0.2);
+    }
+    EXPECT_EQ(json.at("rank").at(59), 59);
+    EXPECT_TRUE(answer(cube_file(), {{"sites", "6"}, {"domain", "surface"}}));
+}
+
 TEST(VolumeSample, NamesTheFieldOfErrors) {
     struct Case {
         std::string body;
@@ -234,6 +263,7 @@ TEST(VolumeSample, NamesTheFieldOfErrors) {
         {json(kBox + R"(,"fixed":[[1,0.5,0.5],[1,2,0.5]])"), {}, ErrorCode::Malformed, "/fixed/1"},
         {json(kBox + R"(,"fixed":[[1,0.5]])"), {}, ErrorCode::Malformed, "/fixed/0"},
         {json(kBox + R"(,"quality":"stealthy")"), {}, ErrorCode::Malformed, "/quality"},
+        {json(kTorus + R"(,"quality":"stealthy")"), {}, ErrorCode::Malformed, "/quality"},
         {json(kBox + R"(,"format":"msh")"), {}, ErrorCode::Malformed, "/mesh"},
         {json(kBox + R"(,"format":"stl")"), {}, ErrorCode::Malformed, "/format"},
         {json(kBox + R"(,"order":"path")"), {}, ErrorCode::Malformed, "/order"},
@@ -247,6 +277,11 @@ TEST(VolumeSample, NamesTheFieldOfErrors) {
          "/density"},
         {json(kBox), {{"seed", "1"}}, ErrorCode::Malformed, "seed"},
         {voxels, {}, ErrorCode::Malformed, "sites"},
+        {cube_file(1), {{"sites", "9"}, {"domain", "solid"}}, ErrorCode::Unusable, ""},
+        {cube_file(), {{"sites", "9"}, {"domain", "box"}}, ErrorCode::Malformed, "domain"},
+        {cube_file(), {{"sites", "9"}, {"domain", "solid"}, {"depth", "2"}}, ErrorCode::Malformed, "domain"},
+        {cube_file(), {{"sites", "9"}, {"domain", "solid"}, {"fixed", "[[0,0,0]]"}}, ErrorCode::Malformed, "fixed/0"},
+        {cube_file(), {{"sites", "9"}, {"domain", "solid"}, {"quality", "stealthy"}}, ErrorCode::Malformed, "quality"},
         {voxels, {{"sites", "9"}, {"domain", "solid"}}, ErrorCode::Malformed, "domain"},
         {voxels, {{"sites", "9"}, {"domain", "ball"}}, ErrorCode::Malformed, "domain"},
         {voxels, {{"sites", "9"}, {"width", "0"}}, ErrorCode::Malformed, "width"},

@@ -127,11 +127,13 @@ TEST(DistributeInSolid, HandlesFewPointsAndThinParts) {
     TriangleSoup pellets = test::sphere_surface(1);
     for (int i = 1; i < 40; ++i)
         pellets = test::joined(pellets, test::moved(test::sphere_surface(1), 1, {i * 7.0, i * i % 97 * 3.0, i * 2.0}));
-    for (const TriangleSoup& soup : {plate, rod, pellets, hollow_ball(), test::moved(plate, 1e130, {0, 0, 0})}) {
+    for (const TriangleSoup& soup : {plate, rod, pellets, test::moved(hollow_ball(), 1e130, {0, 0, 0})}) {
         const Solid solid = solid_of(soup);
         for (const std::size_t sites : {1, 3, 100}) {
-            const Quality quality = sites == 3 ? Quality::Draft : Quality::Standard;
-            EXPECT_GT(least_distance(distributed(solid, {.sites = sites, .quality = quality}).points), 0);
+            const Quality quality = sites == 100 ? Quality::Standard : Quality::Draft;
+            const auto result = distributed(solid, {.sites = sites, .quality = quality, .keep_mesh = true});
+            EXPECT_GT(least_distance(result.points), 0);
+            EXPECT_TRUE(result.mesh);
         }
     }
 }
@@ -150,6 +152,42 @@ TEST(DistributeInSolid, GivesTheSameBytesForAnyNumberOfThreads) {
         EXPECT_EQ(one->trace, three->trace);
         EXPECT_EQ(one->mesh->vertices, three->mesh->vertices);
         EXPECT_EQ(one->mesh->tetrahedra, three->mesh->tetrahedra);
+    }
+}
+
+TEST(DistributeInSolid, FillsTheSolidWithTetrahedra) {
+    for (const TriangleSoup& soup :
+         {test::sphere_surface(4), test::cube_surface(), test::torus_surface(1, 0.4, 48, 24), hollow_ball()}) {
+        const Solid solid = *Solid::create(std::move(Surface::create(soup, 0.8)->surface));
+        const VolumeDistribution result = distributed(solid, {.sites = 1500, .keep_mesh = true});
+        const TetrahedronMesh& mesh = *result.mesh;
+        const double spacing = std::cbrt(solid.volume() / 1500);
+        std::vector<bool> used(mesh.vertices.size(), false);
+        double volume = 0;
+        for (const Tetrahedron& corners : mesh.tetrahedra) {
+            const auto& [a, b, c, d] = corners;
+            const Point3 from = mesh.vertices[a];
+            const double part =
+                dot(cross(mesh.vertices[b] - from, mesh.vertices[c] - from), mesh.vertices[d] - from) / 6;
+            EXPECT_GT(part, 0);
+            volume += part;
+            for (const std::uint32_t v : corners) used[v] = true;
+        }
+        EXPECT_NEAR(volume, solid.volume(), 0.03 * solid.volume());
+        EXPECT_EQ(std::ranges::count(used, false), 0);
+        for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+            if (i < 1500)
+                EXPECT_LT(length(mesh.vertices[i] - result.points[i]), 0.5 * spacing);
+            else
+                EXPECT_LT(distance_to_surface(solid, mesh.vertices[i]), 1e-6);
+        }
+        const auto angles = test::dihedral_angles(mesh);
+        const auto flat = std::ranges::lower_bound(angles, 15.0) - angles.begin();
+        EXPECT_LT(static_cast<double>(flat), 0.001 * static_cast<double>(angles.size()));
+        EXPECT_GT(angles[angles.size() / 20], 37);
+        if (soup.vertices.size() != 8) continue;
+        // The creases and corners of the cube are kept.
+        EXPECT_NEAR(volume, 1, 1e-9);
     }
 }
 

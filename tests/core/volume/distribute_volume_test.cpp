@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "core/parallel/thread_executor.h"
+#include "tests/support/solids.h"
 
 namespace ccdt {
 namespace {
@@ -185,9 +186,19 @@ TEST(DistributeInVolume, FillsTheDomainWithTetrahedra) {
     for (const BoxDomain3& domain : {BoxDomain3{{1, 0.7, 0.4}, false}, BoxDomain3{{1, 0.7, 0.4}, true}}) {
         const auto result = distributed(domain, {.sites = 2000, .keep_mesh = true});
         ASSERT_TRUE(result.mesh);
-        EXPECT_TRUE(std::equal(result.points.begin(), result.points.end(), result.mesh->vertices.begin()));
         EXPECT_EQ(result.mesh->vertices.size() == 2000, domain.periodic);
         EXPECT_NEAR(volume_of(*result.mesh, domain), domain.volume(), 1e-9);
+        const double spacing = std::cbrt(domain.volume() / 2000);
+        for (std::size_t i = 0; i < 2000; ++i) {
+            Point3 move = result.mesh->vertices[i] - result.points[i];
+            if (domain.periodic)
+                move =
+                    move - Point3{std::round(move.x), 0.7 * std::round(move.y / 0.7), 0.4 * std::round(move.z / 0.4)};
+            EXPECT_LT(length(move), 0.5 * spacing);
+        }
+        const auto angles = test::dihedral_angles(*result.mesh, domain.periodic ? domain.sides : Point3{});
+        EXPECT_GT(angles.front(), 15);
+        EXPECT_GT(angles[angles.size() / 20], 40);
     }
 }
 

@@ -39,6 +39,10 @@ void print(const std::vector<ccdt::Point>& points) {
     print(points, [](const ccdt::Point& point) { print(point); });
 }
 
+void print(const std::vector<ccdt::Point3>& points) {
+    print(points, [](const ccdt::Point3& p) { std::printf("[%.17g,%.17g,%.17g]", p.x, p.y, p.z); });
+}
+
 void print(const std::vector<double>& values) {
     print(values, [](double value) { std::printf("%.17g", value); });
 }
@@ -131,6 +135,26 @@ void show_points() {
     print(ccdt::analyze(uniform.points, ccdt::Torus{2, 1}));
     begin("repairs");
     std::printf("%zu", ccdt::sample(kCrossing, 10).repairs.size());
+}
+
+void show_volumes() {
+    ccdt::VolumeOptions options;
+    options.density = ccdt::VoxelGrid{1, 1, 2, {1, 3}};
+    options.fixed = {{1, 0.5, 0.5}};
+    options.progressive = options.keep_tetrahedra = true;
+    const auto box = ccdt::sample_volume(ccdt::Box3{2, 1, 1}, 200, options);
+    begin("box");
+    print(box.points);
+    begin("tetrahedra");
+    print(box.tetrahedra->corners, [](const auto& t) { std::printf("[%u,%u,%u,%u]", t[0], t[1], t[2], t[3]); });
+    begin("torus");
+    print(ccdt::sample_volume(ccdt::Torus3{1, 1, 1}, 100, {.quality = ccdt::Quality::Stealthy}).points);
+    ccdt::Solid solid{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+    begin("solid");
+    print(ccdt::sample_volume(solid, 50).points);
+    solid.triangles.pop_back();
+    begin("open solid");
+    print_failure([&] { ccdt::sample_volume(solid, 50); });
 }
 
 void show_halftones(const Pixels& pixels) {
@@ -281,6 +305,7 @@ int main(int, char** arguments) {
     begin("version");
     std::printf("\"%s\"", ccdt::version());
     show_points();
+    show_volumes();
     show_halftones(pixels);
     show_failures(pixels);
     show_stops();

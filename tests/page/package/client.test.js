@@ -39,6 +39,8 @@ test("answers are objects, strings or Blobs, as the API describes each format", 
     ["sample", sample.pixels.formats, (format) => client.sample({ sites: 5, domain: { ...torus, type: "pixels" }, format })],
     ["sample", sample.surfaces.formats,
       (format) => client.sampleMesh(house, { sites: 50, mesh: triangulations.includes(format), format })],
+    ["sample", sample.volumes.formats,
+      (format) => client.sample({ sites: 50, domain: { ...torus, depth: 9 }, mesh: format === "msh", format })],
     ["analyze", analyze.formats, (format) => client.analyze({ points: [[0, 0], [0.5, 0.5], [0.2, 0.7]], format })],
   ]) {
     for (const { name, media_type: type } of formats) {
@@ -83,6 +85,12 @@ test("meshes are read from files", async () => {
   assert.equal(faces.length, 50);
   const ply = await (await client.sampleMesh(house, { ...options, format: "ply" })).text();
   assert.match(ply, new RegExp(`^ply\nformat binary_little_endian 1.0\nelement vertex ${vertices.length}\n`));
+});
+
+test("voxels are read from files", async () => {
+  const voxels = await readFile(path.join(data, "voxels/cloud.npy"));
+  const { points } = await client.sampleVoxels(voxels, { sites: 50, domain: { type: "box", width: 1, height: 1, depth: 1 } });
+  assert.ok(points.length === 50 && points.flat().every((each) => each > 0 && each < 1));
 });
 
 test("a job has states and a result", async () => {

@@ -20,6 +20,9 @@ export const features: Promise<"Feature" | "FeatureCollection"> =
 export const mask: Promise<Blob> = client.sample({ domain: torus, format: "mask" });
 export const csv: Promise<string> = client.sampleMap(new URL("http://localhost/map.zip"), { sites: "people", per: 10, format: "csv" });
 export const mesh: Promise<Blob> = client.sampleMesh(picture, { sites: 9, mesh: true, density: [1, 2], format: "glb" });
+export const inside: Promise<Blob> = client.sampleMesh(picture, { sites: 9, domain: "solid", mesh: true, format: "vtu" });
+export const voxels: Promise<string> = client.sampleVoxels(picture, { sites: 9, domain: { ...torus, depth: 2 }, format: "csv" });
+export const space: Promise<Blob> = client.sample({ sites: 9, domain: { ...torus, depth: 2 }, mesh: true, format: "msh" });
 export const measured: Promise<number> = client.analyze({ points: [[0, 0], [0.5, 0.5]] }).then((answer) => answer.mean_distance);
 export const limit: Promise<number> = client.capabilities().then((answer) => answer.limits.max_sites);
 

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "ccdt/abi.h"
+#include "ccdt/control.h"
+#include "ccdt/sample.h"
+
+namespace ccdt::v1 {
+
+/// A point in space.
+struct Point3 {
+    double x = 0;
+    double y = 0;
+    double z = 0;
+
+    friend bool operator==(const Point3&, const Point3&) = default;
+};
+
+/// The box [0, width] x [0, height] x [0, depth]. The sides must be positive and finite.
+struct Box3 {
+    double width = 0;
+    double height = 0;
+    double depth = 0;
+};
+
+/// A box whose opposite faces are joined, so that copies of a pattern in it fill space.
+struct Torus3 {
+    double width = 0;
+    double height = 0;
+    double depth = 0;
+};
+
+/// The inside of a closed surface: all points around which the surface winds. Coordinates must be finite.
+struct Solid {
+    std::vector<Point3> vertices;
+    std::vector<std::array<std::uint32_t, 3>> triangles;  ///< indices of vertices; need not have the same orientation
+};
+
+/// A domain in space.
+using VolumeDomain = std::variant<Box3, Torus3, Solid>;
+
+/// The wanted density of points, relative to other places, on a grid of equal voxels that is stretched over the
+/// bounding box of the domain. The density is constant in each voxel.
+struct VoxelGrid {
+    std::size_t width = 0, height = 0, depth = 0;  ///< voxels along x, y and z
+    std::vector<double> values;                    ///< [depth][height][width] finite, >= 0
+};
+
+/// Options of sample_volume(). The defaults are those of the service.
+struct VolumeOptions {
+    std::optional<VoxelGrid> density = {};  ///< none: uniform
+    std::vector<Point3> fixed = {};         ///< as SampleOptions::fixed
+    std::uint64_t seed = 0;                 ///< 0 to 2^53 - 1
+    /// Stealthy needs a torus, a uniform density and no fixed points. Otherwise, it is the same as Best.
+    Quality quality = Quality::Standard;
+    bool progressive = false;      ///< whether to order the points such that, for any k, the first k are evenly spread
+    bool keep_tetrahedra = false;  ///< whether to fill VolumeSample::tetrahedra
+    bool partial = false;          ///< whether a stop returns the current points instead of an error
+};
+
+/// A Delaunay triangulation of points in space. On a torus, the corners of a tetrahedron may belong to neighbouring
+/// periodic copies.
+struct Tetrahedra {
+    std::vector<Point3> vertices;                       ///< points, fixed points, then vertices on the border
+    std::vector<std::array<std::uint32_t, 4>> corners;  ///< indices of vertices
+};
+
+/// Points in space.
+struct VolumeSample {
+    std::vector<Point3> points;  ///< [sites] in the domain
+    std::vector<double> trace;   ///< capacity variation of the tetrahedra before each iteration
+    bool stopped = false;        ///< whether a stop ended the computation early; only with VolumeOptions::partial
+    std::optional<Tetrahedra> tetrahedra;
+};
+
+/// Distributes points evenly in space.
+///
+/// @param sites  number of points, 1 to 2^31; the result has exactly this number
+///
+/// Errors: Malformed for an option out of range, a side that is not positive or not finite, and a fixed point outside
+/// the domain; Unusable for a box or torus that is thinner than a quarter of the points' distance, a surface that is
+/// open or encloses no volume, and a density that is zero everywhere in the domain; Stopped. The same arguments give
+/// the same points, whatever the number of threads. O(sites log sites).
+CCDT_EXPORT VolumeSample sample_volume(const VolumeDomain& domain, std::size_t sites, const VolumeOptions& options = {},
+                                       const Control& control = {});
+
+}  // namespace ccdt::v1
