@@ -89,8 +89,8 @@ Result<Analysis> analyse(std::span<const std::vector<Point>> sets, const Domain&
 
 /// Measures points in space in the same way, in a box from the origin or, if periodic, a torus. Differences:
 /// frequencies (i, j, k) are grouped into shells of width 1 / cbrt(volume), and N = 64 max_frequency^3 n, so
-/// max_frequency^3 n can be up to 8 million. With max_frequency = 2, 16,384 points take 0.3 s and 140 MB, 131,072 points take 3 s and
-/// 620 MB, and a million points take 80 s and 1.2 GB.
+/// max_frequency^3 n can be up to 8 million. With max_frequency = 2, 16,384 points take 0.3 s and 140 MB, 131,072
+/// points take 3 s and 620 MB, and a million points take 80 s and 1.2 GB.
 ///
 /// @param sides  Error::field is "domain" if they are not positive and finite
 Result<Analysis> analyse(std::span<const std::vector<Point3>> sets, Point3 sides, bool periodic,

@@ -1,13 +1,7 @@
-#!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws answers of /sample for unit boxes in space side by side, points as balls that fade with distance:
-space.py ANSWER.json... -o PICTURE
-"""
+"""Draws answers of /sample for unit boxes in space: points as balls that fade with distance."""
 
-import argparse
 import itertools
-import json
-import pathlib
 
 import numpy
 from PIL import Image
@@ -48,16 +42,3 @@ def draw(answer):
         ball(canvas, place, radius, INK + fading * (1 - INK))
     image = Image.fromarray((255 * canvas.colours).round().astype(numpy.uint8))
     return image.resize((surface.SIDE, surface.SIDE), Image.Resampling.BOX)
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("answers", type=pathlib.Path, nargs="+")
-    parser.add_argument("-o", dest="out", type=pathlib.Path, required=True)
-    given = parser.parse_args()
-    parts = [numpy.asarray(draw(json.loads(path.read_text()))) for path in given.answers]
-    Image.fromarray(numpy.concatenate(parts, axis=1)).save(given.out, quality=80)
-
-
-if __name__ == "__main__":
-    main()

@@ -69,7 +69,8 @@ class Elimination:
             size: area of the surface, or volume.
             is_torus: whether the domain is the unit cube with joined faces.
         """
-        text = f"{len(samples)} {count} {dimensions} {size!r} {int(is_torus)}\n" + "\n".join(" ".join(map(repr, p)) for p in samples.tolist())
+        rows = (" ".join(map(repr, p)) for p in samples.tolist())
+        text = f"{len(samples)} {count} {dimensions} {size!r} {int(is_torus)}\n" + "\n".join(rows)
         done = subprocess.run([self.program], input=text, capture_output=True, text=True, check=True, timeout=3600)
         elapsed, *rows = done.stdout.splitlines()
         return numpy.array([row.split() for row in rows], dtype=float), float(elapsed)

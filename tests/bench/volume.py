@@ -54,7 +54,7 @@ def distances(points):
 
 def low_power(points):
     """Returns the mean power below half the principal frequency of the lattice, in dB. Of many waves, uses a part."""
-    end = (2 ** 0.5 * len(points)) ** (1 / 3) * 1.5 ** 0.5 / 2 ** 0.5 / 2
+    end = len(points) ** (1 / 3) * 1.5 ** 0.5 / 2 ** (1 / 6) / 2
     span = numpy.arange(-int(end), int(end) + 1)
     waves = numpy.stack(numpy.meshgrid(span, span, span), -1).reshape(-1, 3)
     squared = (waves ** 2).sum(1)
@@ -157,12 +157,14 @@ def main():
         with Elimination(arguments.cycodebase) as elimination:
             points, elapsed = elimination.choose(random.random((5 * sites, 3)), sites, 1.0, 3, True)
         patterns["sample elimination"] = points, elapsed / 1000
-    patterns["Poisson disk"] = poisson_disk(sites)
-    print(f"| torus, {sites} points | least distance | mean distance | power, dB | noise of density, % | seconds |")
+    points, seconds = poisson_disk(sites)
+    patterns[f"Poisson disk, {len(points)} points"] = points, seconds
+    columns = "least distance | mean distance | power, dB | noise of density, % | seconds"
+    print(f"| torus, {sites} points | {columns} |")
     print("|---|---|---|---|---|---|")
     for name, (points, seconds) in patterns.items():
         least, mean = distances(points)
-        even = noise(points, True, lambda places, count=len(points): numpy.full(places.shape[:-1], float(count)))
+        even = noise(points, True, lambda at, count=len(points): numpy.full(at.shape[:-1], float(count)))
         print(f"| {name} | {least:.3f} | {mean:.3f} | {low_power(points):.1f} | {even:.2f} | {seconds:.2f} |", flush=True)
     print(f"\n| noise of density, {sites} points, % | ball | clumps |\n|---|---|---|")
     for name in [*(quality for quality in qualities if quality != "stealthy"), "random"]:

@@ -345,7 +345,7 @@ test("makes a mask, shows its effect, and saves it", async () => {
   await settled(page, "sample");
   assert.match(await page.textContent("#sample .status"), /^64 \u00d7 64 thresholds/);
   assert.deepEqual(await request(), { format: "mask", domain: { type: "torus", width: 64, height: 64 } });
-  assert.deepEqual(await page.locator("#sample .download option").allTextContents(), ["Mask, 8 bits", "Mask, 16 bits"]);
+  assert.deepEqual(await page.locator("#sample .download option").allTextContents(), ["Mask, 8 bits", "Mask, 16 bits", "Mask, 16 bits, NPY"]);
   for (const without of ["#iteration", "#mesh", "#sample .more", "#sample .plotter", "#sample .trace", "#sample [data-name=sites]"])
     assert.ok(await page.isHidden(without), without);
   await looksAsKept(world, frame(), "sample-mask");

@@ -119,7 +119,19 @@ class Points(np.ndarray, Drawing):  # type: ignore[type-arg]
         return np.array(self.info["triangles"], dtype=np.uint32) if "triangles" in self.info else None
 
 
-class SurfacePoints(Points):
+class _SpacePoints(Points):
+    """Points with three coordinates."""
+
+    @property
+    def vertices(self) -> Optional[Floats]:
+        """Vertices of the triangulation, float64 [m, 3], beginning with the points; None without ``mesh=True``."""
+        return np.array(self.info["mesh"]["vertices"], dtype=np.float64) if "mesh" in self.info else None
+
+    def _repr_png_(self) -> Optional[bytes]:
+        return None
+
+
+class SurfacePoints(_SpacePoints):
     """Points on a surface as an array, float64 [n, 3], with the other members of the answer."""
 
     @classmethod
@@ -163,20 +175,12 @@ class SurfacePoints(Points):
         return self._columns.get("texture")
 
     @property
-    def vertices(self) -> Optional[Floats]:
-        """Vertices of the triangulation, float64 [m, 3], beginning with the points; None without ``mesh=True``."""
-        return np.array(self.info["mesh"]["vertices"], dtype=np.float64) if "mesh" in self.info else None
-
-    @property
     def triangles(self) -> Optional[npt.NDArray[np.uint32]]:
         """Indices of each triangle's vertices, uint32 [t, 3]; None without ``mesh=True``."""
         return np.array(self.info["mesh"]["triangles"], dtype=np.uint32) if "mesh" in self.info else None
 
-    def _repr_png_(self) -> Optional[bytes]:
-        return None
 
-
-class VolumePoints(Points):
+class VolumePoints(_SpacePoints):
     """Points in space as an array, float64 [n, 3], with the other members of the answer."""
 
     @property
@@ -190,17 +194,9 @@ class VolumePoints(Points):
         return float(self.variations[-1])
 
     @property
-    def vertices(self) -> Optional[Floats]:
-        """Vertices of the tetrahedra, float64 [m, 3], beginning with the points; None without ``mesh=True``."""
-        return np.array(self.info["mesh"]["vertices"], dtype=np.float64) if "mesh" in self.info else None
-
-    @property
     def tetrahedra(self) -> Optional[npt.NDArray[np.uint32]]:
         """Indices of each tetrahedron's vertices, uint32 [t, 4]; None without ``mesh=True``."""
         return np.array(self.info["mesh"]["tetrahedra"], dtype=np.uint32) if "mesh" in self.info else None
-
-    def _repr_png_(self) -> Optional[bytes]:
-        return None
 
 
 @overload
@@ -279,8 +275,8 @@ def _sample_surface(domain: Any, members: Dict[str, Any], threads: Optional[int]
                              texts.get("order") == "progressive")
 
 
-def mask(width: int, height: Optional[int] = None, depth: Optional[int] = None, *, seed: int = 0, bits: int = 8, threads: Optional[int] = None,
-         progress: Progress = None) -> npt.NDArray[Any]:
+def mask(width: int, height: Optional[int] = None, depth: Optional[int] = None, *, seed: int = 0, bits: int = 8,
+         threads: Optional[int] = None, progress: Progress = None) -> npt.NDArray[Any]:
     """Computes a threshold mask for dithering, which tiles without seams.
 
     A pixel of a picture that is lighter than the mask becomes white. All values are equally frequent.

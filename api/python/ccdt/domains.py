@@ -111,8 +111,8 @@ def region_members(domain: Any) -> Dict[str, Any]:
     if hasattr(domain, "__len__"):
         return {"polygon": domain}
     raise Error("domain must be the corners of a polygon, GeoJSON, the path of a file with GeoJSON or a mesh, an object "
-                f"with __geo_interface__, a mesh, a torus, a rectangle, a box, a solid or pixels, not {type(domain).__name__}",
-                field="domain")
+                "with __geo_interface__, a mesh, a torus, a rectangle, a box, a solid or pixels, not "
+                + type(domain).__name__, field="domain")
 
 
 def jsonable(value: Any) -> Any:
