@@ -302,7 +302,7 @@ private:
 /// Points that are placed in space, with their request.
 class VolumeSample {
 public:
-    /// @param body  JSON text; the bytes of a file of voxels; or, with the option `domain=solid`, a mesh as for MeshInput
+    /// @param body  JSON text; bytes of a file of voxels; or, with the option `domain=solid`, a mesh as for MeshInput
     VolumeSample(py::object body, const OptionList& options, const Running& running)
         : body_(std::move(body)), request_(value_or_raise(parsed(options))), placed_(value_or_raise(placed(running))) {}
 

@@ -152,7 +152,7 @@ struct GroupRow {
 };
 
 constexpr auto kGroups = std::to_array<GroupRow>({
-    {"Area", " domain polygon holes geometry object coordinates invalid buffer avoid exclude "},
+    {"Area", " domain depth polygon holes geometry object coordinates invalid buffer avoid exclude "},
     {"Dots", " sites minutes per classes properties density fixed sets dot dots tone detail levels invert "},
     {"Colour", " color palette foreground background layers "},
     {"Placement", " method quality iterations passes tolerance crease order mesh seed "},

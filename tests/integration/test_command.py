@@ -454,6 +454,7 @@ class Examples(Folder):
         shutil.copy(POLYGONS / "Switzerland-10m.geojson", self.folder / "map.geojson")
         (self.folder / "shape.json").write_text("[[0,0],[4,0],[2,3]]")
         (self.folder / "bunny.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
+        numpy.save(self.folder / "voxels.npy", numpy.ones((2, 3, 4)))
         (self.folder / "out").mkdir()
         lines = [line for page in ("README.md", "server/README.md")
                  for block in re.findall(r"^```sh\n(.*?)^```", (ROOT / page).read_text(), re.MULTILINE | re.DOTALL)

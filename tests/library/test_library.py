@@ -246,7 +246,7 @@ class Case(unittest.TestCase):
         self.assertEqual(self.memory["tetrahedra"], answer["mesh"]["tetrahedra"])
         torus = {"sites": 100, "domain": {**sides, "type": "torus"}, "quality": "stealthy"}
         self.assertEqual(self.memory["torus"], post_json(self.installed.server, "/sample", torus).json()["points"])
-        off = b"OFF 4 4 0\n0 0 0 1 0 0 0 1 0 0 0 1\n3 0 2 1 3 0 1 3 3 0 3 2 3 1 2 3\n"
+        off = b"OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"
         inside = ask(self.installed.server, "/sample?domain=solid&sites=50", data=off).json()["points"]
         self.assertEqual(self.memory["solid"], inside)
         self.assertEqual(self.memory["open solid"][0], UNUSABLE)
