@@ -12,6 +12,7 @@
 #include "core/polish/cell_list.h"
 #include "core/random.h"
 #include "core/volume/distribute_volume.h"
+#include "core/volume/volume_mesh.h"
 #include "core/volume/volume_spacing.h"
 #include "tests/bench/stages.h"
 
