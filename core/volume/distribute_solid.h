@@ -16,7 +16,9 @@ namespace ccdt {
 /// @param control  a stop returns the current sites, which is not an error
 ///
 /// Errors: Malformed if the number of sites is out of range or a fixed point is not inside; Unusable if the density is
-/// 0 everywhere in the solid. Deterministic for any number of threads. O(n log n) for n = sites + faces.
+/// 0 everywhere in the solid. Deterministic for any number of threads. O(n log n) for n = sites + faces. With uniform
+/// density, at most 450 bytes per site, and 12 for each cell of a grid with 10.6 cells per site, divided by the share
+/// of the bounding box that is inside, but at most 44 cells. With `keep_mesh`, 500 bytes more.
 Result<VolumeDistribution> distribute_in_solid(const Solid& solid, const VoxelDensity& density,
                                                const VolumeOptions& options, const Control& control = {});
 

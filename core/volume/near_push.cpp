@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <vector>
 
 #include "core/polish/cell_list.h"
@@ -25,18 +26,29 @@ constexpr double kMaxPush = 0.5;  ///< longest move, relative to the reach
 template <class Domain>
 double push_apart(const Domain& domain, const VolumeSpacing& spacing, std::span<Point3> sites, std::size_t free,
                   double reach, double share, Executor& executor, const std::stop_token& stop) {
-    std::vector<std::uint32_t> numbers;  // [places] site of each place
+    struct Copy {
+        Point3 place;
+        std::uint32_t site;
+    };
+    std::vector<std::uint32_t> numbers(sites.size());  // [places] site of each place
+    std::iota(numbers.begin(), numbers.end(), 0U);
     const double ratio = spacing.is_uniform() ? 1 : VolumeSpacing::kMaxRatio;
     const auto list_places = [&] {
+        std::vector<std::vector<Copy>> copies(sites.size() / kSites + 1);
+        for_ranges(executor, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end && !stop.stop_requested(); ++i) {
+                const double range = ratio * reach * spacing.densest(sites[i]);
+                domain.for_copies(sites[i], range, [&](Point3 copy, bool is_original) {
+                    if (!is_original) copies[begin / kSites].push_back({copy, static_cast<std::uint32_t>(i)});
+                });
+            }
+        });
         std::vector<Point3> places(sites.begin(), sites.end());
-        for (std::uint32_t i = 0; i < sites.size(); ++i) numbers.push_back(i);
-        for (std::uint32_t i = 0; i < sites.size(); ++i) {
-            const double range = ratio * reach * spacing.densest(sites[i]);
-            domain.for_copies(sites[i], range, [&](Point3 copy, bool is_original) {
-                if (is_original) return;
-                places.push_back(copy);
-                numbers.push_back(i);
-            });
+        for (const auto& list : copies) {
+            for (const auto& [place, site] : list) {
+                places.push_back(place);
+                numbers.push_back(site);
+            }
         }
         return CellList3(places);
     };
