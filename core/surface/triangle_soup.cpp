@@ -44,7 +44,7 @@ std::array<float, 4> light_of(const std::array<std::uint8_t, 4>& texel) {
 
 std::array<double, 2> TriangleSoup::texel_at(std::uint32_t triangle, const std::array<double, 3>& weights) const {
     const Material& material = materials[material_of[triangle]];
-    const std::array<float, 2> at = interpolated(texture, triangle, weights);
+    const auto at = interpolated(texture, triangle, weights);
     const auto& m = material.transform;
     const auto row = [&](std::size_t i) { return static_cast<double>(m[i] * at[0] + m[i + 1] * at[1] + m[i + 2]); };
     return {row(0) * material.width, row(3) * material.height};
