@@ -102,7 +102,8 @@ def table(masks):
     measured = {name: measure(mask) for name, mask in masks.items()}
     for quantity in next(iter(measured.values())):
         for name, rows in measured.items():
-            print(f"| {name}, {quantity} | " + " | ".join(f"{value:.3f}" for value in rows[quantity]) + " |")
+            cells = ("" if numpy.isnan(value) else f"{value:.3f}" for value in rows[quantity])
+            print(f"| {name}, {quantity} | " + " | ".join(cells) + " |")
 
 
 def averages(name, values):

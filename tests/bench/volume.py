@@ -26,7 +26,7 @@ from scipy.stats import qmc
 from elimination import Elimination
 
 NEIGHBOURS = 58
-NODES = 8  # nodes of the quadrature along the radius of the kernel
+NODES = 12  # nodes of the quadrature along the radius of the kernel
 CORE = 0.1  # radius of the core of the ball
 
 
