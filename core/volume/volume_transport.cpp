@@ -52,7 +52,13 @@ double finest_spacing(const Domain& domain, const VoxelDensity& density, const V
                       double cells) {
     const double box = domain.box().volume(), most = std::max(kFewestCells, kMostCells * points);
     const double contrast = spacing.is_uniform() ? 1 : density.contrast() * domain.volume() / box;
-    return std::max(spacing.mean() / std::cbrt(std::min(contrast, kMaxContrast)), cells * std::cbrt(box / most));
+    double finest =
+        std::max(spacing.mean() / std::cbrt(std::min(contrast, kMaxContrast)), cells * std::cbrt(box / most));
+    // Thin domains have more cells, because each axis has at least WaveGrid::kMinCells.
+    const Point3 sides = domain.box().sides;
+    const auto along_side = [&](double side) { return std::max<double>(WaveGrid::kMinCells, cells * side / finest); };
+    while (along_side(sides.x) * along_side(sides.y) * along_side(sides.z) > 2 * most) finest *= 2;
+    return finest;
 }
 
 }  // namespace

@@ -11,7 +11,6 @@ namespace {
 
 constexpr double kSteepness = 2.3;  ///< of the kernel, per cell of width; optimal for twice the resolution
 constexpr std::size_t kLayers = 8;  ///< layers per slab; more than half of the taps on either side
-constexpr int kMinCells = 8;
 
 std::variant<RealTransform, CosineTransform> make_transform(bool periodic, const std::array<int, 3>& cells,
                                                             Executor& executor) {

@@ -26,6 +26,8 @@ namespace ccdt {
 /// The results do not depend on the number of threads. 16 bytes per cell (torus) or 8 (box).
 class WaveGrid {
 public:
+    static constexpr int kMinCells = 8;  ///< least number of cells along each axis
+
     /// @param cells     least number of cells along each axis
     /// @param executor  runs the steps; must outlive this object
     WaveGrid(const BoxDomain3& domain, const Point3& cells, Executor& executor);
