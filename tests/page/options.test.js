@@ -28,7 +28,7 @@ const elsewhere = {
   halftone: ["dwell", "format", "invert", "pen"],
   devices: [],
   sample: ["polygon", "holes", "geometry", "domain", "classes", "object", "iterations", "mesh", "dwell", "pen"],
-  surfaces: ["iterations", "mesh"],
+  surfaces: ["domain", "iterations", "mesh"],
 };
 
 test("has a field for each option", async () => {

@@ -40,7 +40,7 @@ test("answers are objects, strings or Blobs, as the API describes each format", 
     ["sample", sample.surfaces.formats,
       (format) => client.sampleMesh(house, { sites: 50, mesh: triangulations.includes(format), format })],
     ["sample", sample.volumes.formats,
-      (format) => client.sample({ sites: 50, domain: { ...torus, depth: 9 }, mesh: format === "msh", format })],
+      (format) => client.sample({ sites: 500, domain: { ...torus, depth: 9 }, mesh: format === "msh", format })],
     ["analyze", analyze.formats, (format) => client.analyze({ points: [[0, 0], [0.5, 0.5], [0.2, 0.7]], format })],
   ]) {
     for (const { name, media_type: type } of formats) {
