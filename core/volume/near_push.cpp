@@ -15,7 +15,7 @@ namespace ccdt {
 
 namespace {
 
-constexpr std::size_t kSites = 2048;  ///< sites per task
+constexpr std::size_t kSites = 512;  ///< sites per task
 /// Distance of layers in the densest packing, relative to the distance of neighbours. With a site's own mirror image at
 /// the distance of a neighbour instead, sites would crowd in the first layer off the border.
 constexpr double kLayers = 0.816496580927726;

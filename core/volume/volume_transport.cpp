@@ -18,7 +18,7 @@ constexpr double kLimit = 0.55;
 /// Four cells per cycle of the highest frequency; see WaveGrid. If the grid must be precise, nearly six.
 constexpr double kCellsPerSpacing = 2.2, kPreciseCells = 3.2;
 constexpr double kMaxMove = 0.25;     ///< longest move, in spacings
-constexpr std::size_t kSites = 4096;  ///< sites per task
+constexpr std::size_t kSites = 512;  ///< sites per task
 constexpr std::size_t kMaxOctaves = 5;
 /// Limit on the density that octave 0 resolves, relative to the mean density.
 constexpr double kMaxContrast = 4;
