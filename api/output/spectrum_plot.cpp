@@ -161,7 +161,7 @@ View view_of(double share, Point sides, const Box& panel) {
 template <class Words>
 void draw_points(SvgDrawing& svg, std::span<const Point> points, Point sides, double unit, const Box& panel,
                  double most, Words&& words) {
-    const View view = view_of(std::min(1.0, most / static_cast<double>(points.size())), sides, panel);
+    const View view = view_of(std::min(1.0, most / std::max(1.0, static_cast<double>(points.size()))), sides, panel);
     std::vector<Point> dots;
     for (const Point& p : points) {
         if (view.holds(p)) dots.push_back(view.place(p));

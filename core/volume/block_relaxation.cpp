@@ -106,8 +106,9 @@ double BlockRelaxation<Domain>::relax(std::span<Point3> sites, std::size_t free,
         all.first += part.first;
         all.second += part.second;
     }
+    if (!(all.first > 0)) return 0;  // all capacities are below the least number
     const double mean = all.first / all.count;
-    return all.count > 0 ? std::sqrt(std::max(0.0, all.second / all.count - mean * mean)) / mean : 0;
+    return std::sqrt(std::max(0.0, all.second / all.count - mean * mean)) / mean;
 }
 
 /// Assigns every site to one block, and to the blocks that it or one of its copies is near to.

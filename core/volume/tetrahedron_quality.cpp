@@ -94,7 +94,7 @@ private:
                          c = vector(v, corners[order[3]]);
             const Point3 ab = b - a, bc = c - b, ca = a - c, normal = cross(ab, ca);
             const double volume = -dot(normal, a), own = dot(a, a) + dot(b, b) + dot(c, c);
-            if (!(volume > 0)) return std::numeric_limits<double>::infinity();
+            if (!(volume > 0 && volume * volume > 0)) return std::numeric_limits<double>::infinity();
             const double size = own + dot(ab, ab) + dot(bc, bc) + dot(ca, ca);
             const double part = size * size * size / (volume * volume);
             sum += part;
@@ -112,7 +112,11 @@ private:
                      c = vector(corners[0], corners[3]);
         if (!(dot(cross(a, b), c) > 0)) return kInverted;
         std::array<Point3, 4> normals{cross(a, b), cross(b, c), cross(c, a), cross(c - a, b - a)};
-        for (Point3& normal : normals) normal = 1 / length(normal) * normal;
+        for (Point3& normal : normals) {
+            const double size = length(normal);
+            if (!(size > 0)) return kInverted;  // the squares of its coordinates are below the least number
+            normal = 1 / size * normal;
+        }
         double least = 1;
         for (std::size_t i = 0; i < 4; ++i) {
             for (std::size_t j = i + 1; j < 4; ++j) least = std::min(least, dot(normals[i], normals[j]));
