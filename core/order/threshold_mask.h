@@ -21,7 +21,7 @@ namespace ccdt {
 /// ascending order.
 ///
 /// @param width, height  in pixels, >= 8
-/// @param depth          number of frames, >= 1; there are less than 2^32 pixels in all frames together
+/// @param depth          number of frames, >= 1; there are fewer than 2^32 pixels in all frames together
 /// @param stop           polled regularly; a stop is not an error, but the returned ranks must not be used
 /// @returns              [depth * height * width] frame by frame and row by row: in each frame, a permutation of 0 to
 ///                       width * height - 1
