@@ -90,8 +90,10 @@ public:
         for (int i = 0; i < schedule_.wide_rounds; ++i) round(kWideReach, kWideShare);
         transport_.release_memory();
         for (int i = 0; i < schedule_.relaxations && !stopping(); ++i) {
-            within_density(
-                [&] { trace_.push_back(relaxation_.relax(sites_, free_, schedule_.passes, control_.stop)); });
+            double variation = 0;
+            within_density([&] { variation = relaxation_.relax(sites_, free_, schedule_.passes, control_.stop); });
+            if (stopping()) break;
+            trace_.push_back(variation);
             finish_step();
         }
         for (int i = 0; i < schedule_.rounds; ++i) round(schedule_.reach, kShare);
