@@ -4,13 +4,13 @@
 
     volume.py http://localhost:8080 4096 --quality draft standard best stealthy --cycodebase PATH
 
-The first table is for a torus of uniform density: distances relative to the face-centred cubic lattice, and the mean
-power below half its principal frequency, and the noise described below. The rows of other methods are random points, scipy's Poisson disk (its radius
-is chosen such that it finds about as many points), and Yuksel's sample elimination, which gets five random samples per
-point. The second table has the noise of the density that smoothed particle hydrodynamics computes at the points, by a
-cubic spline with 58 neighbours: the standard deviation relative to the smoothed wanted density. The densities are
-a ball whose density falls with the square of the radius, and random clumps. Near the middle of the ball, the density
-changes by a large factor within a spacing; a column leaves out this core. All results are for one seed.
+The first table is for a torus of uniform density: distances relative to the face-centred cubic lattice, the mean power
+below half its principal frequency, and noise. The rows of other methods are random points, scipy's Poisson disk (its
+radius is chosen such that it finds about as many points), and Yuksel's sample elimination, which gets five random
+samples per point. The second table has the noise for a ball whose density falls with the square of the radius, and for
+random clumps. Near the middle of the ball, the density changes by a large factor within a spacing; a column leaves out
+this core. Noise is that of the density of smoothed-particle hydrodynamics at the points, by a cubic spline with 58
+neighbours: the standard deviation relative to the smoothed wanted density. All results are for one seed.
 """
 import argparse
 import io
@@ -68,7 +68,7 @@ def low_power(points):
 
 
 def kernel(q):
-    """Returns the cubic spline of smoothed particle hydrodynamics, up to a factor; q is in smoothing lengths."""
+    """Returns the cubic spline of smoothed-particle hydrodynamics, up to a factor; q is in smoothing lengths."""
     return numpy.where(q < 1, 1 - 1.5 * q ** 2 + 0.75 * q ** 3, 0.25 * numpy.clip(2 - q, 0, None) ** 3)
 
 

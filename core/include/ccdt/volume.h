@@ -83,7 +83,8 @@ struct VolumeSample {
     std::vector<Point3> points;  ///< [sites] in the domain
     std::vector<double> trace;   ///< capacity variation, standard deviation over mean, before each iteration
     bool stopped = false;        ///< whether a stop ended the computation early; only with VolumeOptions::partial
-    std::optional<Tetrahedra> tetrahedra;  ///< only with VolumeOptions::keep_tetrahedra, and if it is not stopped
+    /// Only with VolumeOptions::keep_tetrahedra; none if a stop came before they were computed.
+    std::optional<Tetrahedra> tetrahedra;
 };
 
 /// Distributes points evenly in space.
