@@ -51,8 +51,8 @@ SolidDomain::SolidDomain(const Solid& solid, const Solid::Coverage& coverage) : 
     for_cells([&](std::size_t at, std::size_t number) {
         if (coverage.crossed[number]) grid[at] = 0;
     });
-    // Distances of a cell's 13 neighbours that come before it in the order of the grid. The second pass runs in reverse
-    // order and uses the 13 neighbours that come after it.
+    // Index offsets of a cell's 13 neighbours that come before it in the order of the grid. The second pass runs in
+    // reverse order and uses the 13 neighbours that come after it.
     std::array<std::size_t, 13> before{};
     std::size_t count = 0;
     for (std::size_t k = 0; k < 3; ++k) {

@@ -52,7 +52,7 @@ Schedule schedule_of(Quality quality, bool stealthy) {
 constexpr double kWideReach = 1.1, kWideShare = 0.25;
 constexpr double kNearReach = 0.88, kLastReach = 0.87, kShare = 0.5;
 constexpr int kNearPushes = 3;   ///< pushes per near round
-constexpr int kLastPushes = 10;  ///< most pushes at the end
+constexpr int kLastPushes = 10;  ///< largest number of pushes at the end
 /// Pushes end when all distances are at least this large, relative to the densest packing.
 constexpr double kLeast = 0.855;
 constexpr double kNegligiblePower = 1e-11;  ///< largest power of a wave that counts as removed

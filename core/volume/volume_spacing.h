@@ -29,7 +29,8 @@ public:
     bool is_uniform() const { return sides_.empty(); }
     double mean() const { return mean_; }  ///< the spacing if the density were uniform
 
-    /// Returns the side of the cube at a place in the domain.
+    /// Returns the spacing at a place in the domain, > 0. It is at most the cubic root of the domain's volume, and has
+    /// this value where the density is 0 all around.
     double side(Point3 p) const;
 
     /// Returns the distance of neighbours in the densest packing with the local density.
