@@ -7,7 +7,7 @@
 #include <sstream>
 #include <utility>
 
-#include "core/volume/voxel_density.h"
+#include "core/geometry/axes.h"
 
 namespace ccdt {
 

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <functional>
 
-#include "core/volume/voxel_density.h"
+#include "core/geometry/axes.h"
 
 namespace ccdt {
 

@@ -2,7 +2,6 @@
 #include "core/volume/voxel_density.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <string>
 
