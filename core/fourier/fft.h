@@ -27,8 +27,8 @@ public:
     ///
     /// All cells are 0 at first.
     RealTransform(int columns, int rows, Executor& executor = inline_executor(), std::size_t spare = 0);
-    /// Transforms a grid in space: `layers` grids of columns * rows cells, one after the other. Every sum below then
-    /// has a third term for the layers in k.j.
+    /// Transforms a grid in space: `layers` grids of columns * rows cells, one after the other. The sums below then
+    /// also run over the layers, and their exponents have a third term.
     RealTransform(const std::array<int, 3>& columns_rows_layers, Executor& executor);
     RealTransform(RealTransform&&) noexcept;
     RealTransform& operator=(RealTransform&&) noexcept;
@@ -41,8 +41,9 @@ public:
     /// Cells of the grid [layers * rows * columns], row by row.
     std::span<double> grid();
 
-    /// Coefficients [layers * rows * (columns / 2 + 1)], row by row: frequency (x, y) is in column x of row y mod rows.
-    /// The columns of negative x are not stored: coefficient (x, y) is the complex conjugate of coefficient (-x, -y).
+    /// Coefficients [layers * rows * (columns / 2 + 1)], row by row: frequency (x, y) is in column x of row y mod rows
+    /// and, in space, frequency (x, y, z) is there in layer z mod layers. The columns of negative x are not stored:
+    /// coefficient (x, y) is the complex conjugate of coefficient (-x, -y).
     std::span<std::complex<double>> spectrum();
     std::span<const std::complex<double>> spectrum() const;
 
@@ -74,7 +75,7 @@ public:
     /// All cells are 0 at first.
     CosineTransform(int columns, int rows, Executor& executor = inline_executor(), std::size_t spare = 0);
     /// Transforms a grid in space: `layers` grids of columns * rows cells, one after the other. The sum of forward()
-    /// then has a third cosine, and the factors 4 become 8.
+    /// then also runs over the layers and has a third cosine, and the factors 4 become 8.
     CosineTransform(const std::array<int, 3>& columns_rows_layers, Executor& executor);
     CosineTransform(CosineTransform&&) noexcept;
     CosineTransform& operator=(CosineTransform&&) noexcept;

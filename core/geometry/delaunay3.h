@@ -13,11 +13,11 @@
 namespace ccdt {
 
 /// The numbers of the four corners of a tetrahedron. The last corner lies on the left of the triangle of the first
-/// three: seen from it, they are counter-clockwise.
+/// three: seen from the last one, these are counter-clockwise.
 using Tetrahedron = std::array<std::uint32_t, 4>;
 
 /// Computes the Delaunay triangulation of points in space.
-/// @param points  finite; coincident points share one vertex, which has the number of one of them
+/// @param points  [n <= 2^32] finite; coincident points share one vertex, which has the number of one of them
 /// @param stop    polled regularly; after a stop, there are no tetrahedra
 /// @returns       the tetrahedra; none if all points lie in a plane
 ///

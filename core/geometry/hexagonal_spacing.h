@@ -10,8 +10,8 @@ inline double hexagonal_spacing(double density) {
     return std::sqrt(2 / (std::sqrt(3.0) * density));
 }
 
-/// Distance of neighbours in the face-centred cubic lattice, the densest packing, with one site per unit of volume: the
-/// sixth root of 2.
+/// Distance of neighbours in the densest packing in space, the face-centred cubic lattice, with one site per unit of
+/// volume: the sixth root of 2.
 inline constexpr double kCubicSpacing = 1.122462048309373;
 
 }  // namespace ccdt

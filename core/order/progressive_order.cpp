@@ -14,6 +14,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "core/geometry/axes.h"
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/geometry/lanes.h"
 #include "core/geometry/point3.h"
@@ -69,14 +70,11 @@ std::array<double, 3> coordinates(Point3 p) {
     return {p.x, p.y, p.z};
 }
 
-/// Number of coordinates of a point.
-template <class P>
-constexpr std::size_t kAxes = std::tuple_size_v<decltype(coordinates(P{}))>;
 template <class P>
 constexpr bool kInSpace = kAxes<P> == 3;
 
-/// The box in which points lie: from the origin to `sides`, each of which is > 0. It is in space for points on a
-/// surface.
+/// The box in which points lie: from the origin to `sides`, each of which is > 0. It has three dimensions for points in
+/// space and on a surface.
 template <class P>
 struct Frame {
     P sides;
@@ -256,11 +254,11 @@ private:
         sizes_[region] = static_cast<std::uint32_t>(order.size());
         if (depth == depth_) return;
         const std::size_t axis = longest_axis<P>(places, order);
-        const auto along = [&](std::uint32_t i) { return coordinates(places[i])[axis]; };
+        const auto position = [&](std::uint32_t i) { return along(places[i], axis); };
         const std::size_t half = order.size() / 2;
         std::ranges::nth_element(
             order, order.begin() + static_cast<std::ptrdiff_t>(half),
-            [&](std::uint32_t i, std::uint32_t j) { return std::pair(along(i), i) < std::pair(along(j), j); });
+            [&](std::uint32_t i, std::uint32_t j) { return std::pair(position(i), i) < std::pair(position(j), j); });
         divide(places, order.first(half), 2 * region, depth + 1);
         divide(places, order.subspan(half), 2 * region + 1, depth + 1);
     }

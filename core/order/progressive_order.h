@@ -61,12 +61,13 @@ std::vector<std::uint32_t> progressive_order_on_surface(std::span<const Point3> 
                                                         const std::stop_token& stop = {},
                                                         Executor& executor = inline_executor());
 
-/// Orders points in space progressively, like points in the plane. Their densest packing is the face-centred cubic
-/// lattice.
-/// @param box     a box around the domain, or the torus that results from joining its opposite faces; its sides are > 0
-/// @param points  [n], in the box; may coincide
-/// @param share   share of the box that the domain fills, in (0, 1]
-/// @param even    whether the points have the same density everywhere and the domain has no border
+/// Orders points in space progressively, like points in the plane. Distances are relative to the face-centred cubic
+/// lattice, the densest packing.
+/// @param box       a box around the domain, with sides > 0
+/// @param is_torus  whether the opposite faces of the box are joined
+/// @param points    [n], in the box; may coincide
+/// @param share     share of the box that the domain fills, in (0, 1]
+/// @param even      whether the points have the same density everywhere and the domain has no border
 std::vector<std::uint32_t> progressive_order_in_space(const Box3& box, bool is_torus, std::span<const Point3> points,
                                                       double share, bool even, const std::stop_token& stop = {},
                                                       Executor& executor = inline_executor());

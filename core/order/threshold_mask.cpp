@@ -19,8 +19,8 @@ namespace {
 // frequencies; a wider one makes pixels cluster.
 constexpr double kSigma = 1.5;         ///< in pixels
 constexpr double kSigmaInTime = 1.6;   ///< in frames
-constexpr double kWeightInTime = 0.7;  ///< relative to that of pixels of the same frame
-constexpr double kReach = 4;           ///< radius of a Gaussian in sigmas
+constexpr double kWeightInTime = 0.7;  ///< weight of the Gaussians in time, relative to those within a frame
+constexpr double kReach = 4;           ///< radius of a Gaussian, in sigmas
 constexpr int kMaxSweeps = 32;
 
 // Shares of chosen pixels below which the Gaussians grow, such that they keep overlapping.
@@ -38,8 +38,8 @@ public:
             values_[static_cast<std::size_t>((i + radius_) % taps)] += std::exp(-i * i / (2 * sigma * sigma));
     }
 
-    /// Calls function(begin, values) for ranges of successive coordinates from `begin` on, with the values of the
-    /// Gaussian around `at`.
+    /// Calls function(begin, values) for one or two ranges of successive coordinates, which begin at `begin`, with the
+    /// values of the Gaussian around `at`.
     template <class Function>
     void for_ranges(int at, Function&& function) const {
         const int taps = static_cast<int>(values_.size());
@@ -55,7 +55,7 @@ public:
 
 private:
     int period_, radius_;
-    std::vector<double> values_;  ///< sums of copies, from -radius_ on
+    std::vector<double> values_;  ///< sums of periodic copies, from the distance -radius_ on
 };
 
 /// Chosen pixels of a tile, to be spread evenly.

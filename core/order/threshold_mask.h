@@ -14,13 +14,14 @@ namespace ccdt {
 ///
 /// The crowding of a pixel is the sum of two-dimensional Gaussians of the chosen pixels of the same frame, and of
 /// one-dimensional Gaussians of the same pixel in those frames where it is chosen. First, half of the pixels of each
-/// frame are chosen: one at random from each horizontal pair. The chosen pixels move to neighbouring pixels as long as
-/// that lowers the crowding. They get the lower half of the ranks, in descending order: the frames in turn lose their
-/// most crowded pixel, which gets the highest free rank. As fewer pixels are left, the Gaussians grow. The other pixels
-/// get the upper half of the ranks in the same way, but in ascending order.
+/// frame are chosen: one at random from each pair of successive pixels. The chosen pixels move to neighbouring pixels
+/// as long as that lowers the crowding, for at most 32 sweeps. They get the lower half of the ranks, in descending
+/// order: the frames lose their most crowded pixel in turn, and this pixel gets the highest free rank of its frame. As
+/// fewer pixels are left, the Gaussians grow. The other pixels get the upper half of the ranks in the same way, but in
+/// ascending order.
 ///
 /// @param width, height  in pixels, >= 8
-/// @param depth          number of frames, >= 1
+/// @param depth          number of frames, >= 1; there are fewer than 2^32 pixels in all frames together
 /// @param stop           polled regularly; a stop is not an error, but the returned ranks must not be used
 /// @returns              [depth * height * width] frame by frame and row by row: in each frame, a permutation of 0 to
 ///                       width * height - 1

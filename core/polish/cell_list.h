@@ -48,7 +48,7 @@ public:
     /// Calls function(point, number) for each point that may be within `reach` of p. Some points farther away may be
     /// included. `number` is the index of the point in `places`. On a torus, `point` is the copy nearest to p.
     /// @param reach     > 0
-    /// @param function  may return a bool: whether to go on
+    /// @param function  may return a bool; the search ends when it is false
     template <class Function>
     void for_near(P p, double reach, Function&& function) const {
         const Grid& grid = grids_.front();

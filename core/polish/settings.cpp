@@ -120,8 +120,9 @@ PolishSettings surface_settings(Quality quality) {
     // No edge joins two sites that face each other in a fold. Only the search for sites nearer than this finds them.
     settings.least = 0.8;
     settings.max_retries = 30;
-    // Relocated sites leave long waves. On nefertiti, a model of 50,000 vertices, with 16,384 sites and quality `best`,
-    // the power of the lowest 401 modes is up to 5 dB higher with one such round instead of four.
+    // Relocated sites leave long waves, which last rounds remove. On nefertiti, a model of 50,000 vertices, with 16,384
+    // sites and quality `best`, the power of the lowest 401 modes is up to 5 dB higher with one last round than with
+    // four.
     settings.last_rounds = quality == Quality::Best ? 4 : 1;
     return settings;
 }

@@ -36,8 +36,8 @@ std::vector<std::uint32_t> faces_along_curve(const Surface& surface) {
     return order;
 }
 
-/// Draws points in faces by a low-discrepancy sequence, with rejection where the density varies within the face. Faces
-/// that are divided into pieces get theirs by systematic sampling of the pieces.
+/// Draws points in faces by a low-discrepancy sequence, with rejection where the density varies within the face. In
+/// faces that are divided into pieces, draws them by systematic sampling of the pieces.
 class FaceSampler {
 public:
     FaceSampler(const Surface& surface, const SurfaceDensity& density, std::uint64_t seed)
@@ -93,7 +93,7 @@ private:
             const auto until =
                 is_last ? count : static_cast<std::size_t>(sum / total * static_cast<double>(count) + offset);
             for (; drawn < std::min(until, count); ++drawn) {
-                // A point around the centre of the piece.
+                // A random point near the centre of the piece, and inside the piece.
                 const double u = (random.uniform() - 0.5) / (3 * side), v = (random.uniform() - 0.5) / (3 * side);
                 const auto& [a, b, c] = piece.centre;
                 points.push_back({face, {a - u - v, b + u, c + v}});

@@ -124,7 +124,7 @@ void SitePolish::apply() {
 }
 
 bool SitePolish::is_any_nearer(double least) {
-    constexpr std::size_t kMostPairs = 16;  // of a site; stacked sheets could have any number
+    constexpr std::size_t kMostPairs = 16;  // limit for each site, because stacked sheets could have any number
     constexpr int kMostFailures = 12;
     measure_spacings();
     const double reach = least * hexagonal_spacing(1);
@@ -161,7 +161,7 @@ bool SitePolish::is_any_nearer(double least) {
 std::vector<std::uint32_t> SitePolish::wide_triangles(std::uint32_t site) const {
     constexpr std::size_t kVisited = 150;  // about the triangles within five spacings
     constexpr std::size_t kMost = 16;
-    constexpr double kPerDistance = 0.02;  // sites that are moved less disturb long waves less
+    constexpr double kPerDistance = 0.02;  // penalty for long moves, which disturb long waves more
     std::vector<std::uint32_t> visited;
     mesh_.for_edges(site, [&](std::uint32_t h) { visited.push_back(h / 4); });
     for (std::size_t i = 0; i < visited.size() && visited.size() < kVisited; ++i) {

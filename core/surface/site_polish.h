@@ -37,16 +37,15 @@ public:
     void even_out();
     void even_out_together() {}  // there is only one ink
     void restore() { mesh_.restore_delaunay(stop_); }
-    /// Whether any two sites are nearer to each other than `least`, relative to the hexagonal distance, and it is
-    /// useful to go on: not if the number of such pairs has not fallen in eight calls since the last removal of waves.
-    /// Also finds sites that no edge joins, unless they are on different sides of a thin plate. The next pushes move
-    /// such sites apart, too.
+    /// Whether any two sites are nearer to each other than `least`, relative to the hexagonal distance, and further
+    /// pushes are useful. They are not if twelve successive calls since the last removal of waves have not found fewer
+    /// such pairs than before. Also finds sites that no edge joins, unless they are on different sides of a thin plate.
+    /// The next pushes move such sites apart, too.
     bool is_any_nearer(double least);
-    /// Relocates one site of each pair that is_any_nearer() found and that pushes do not separate: the pair is much
-    /// nearer than `least`, or its distance has hardly grown since the previous search. The new place is the middle of
-    /// a nearby triangle, as far as possible from other sites. Every second call does nothing. Limits the number of
-    /// pairs: 16, and one for each 256 sites, which few surfaces exceed: those that are too rough for the spacing of
-    /// the sites.
+    /// Relocates one site of each pair that is_any_nearer() found and that pushes do not separate: the distance is much
+    /// less than `least`, or has hardly grown since the previous search. The new place is the middle of a nearby
+    /// triangle, as far as possible from other sites. Every second call does nothing. Handles at most 16 pairs, plus
+    /// one for each 256 sites. Only surfaces that are too rough for the spacing of the sites have more.
     void separate(double least);
     void retouch() {}
     void remove_low_frequencies() {}
@@ -76,7 +75,7 @@ private:
     std::vector<NearPair> near_, before_;  ///< sorted pairs that the last two searches have found
     std::size_t fewest_ = 0;               ///< least number of pairs in a search since the last removal of waves
     int separations_ = 0;                  ///< calls of separate()
-    int failures_ = 0;                     ///< searches since then that have not found fewer pairs
+    int failures_ = 0;                     ///< successive searches that have not found fewer pairs than `fewest_`
 };
 
 }  // namespace ccdt

@@ -143,7 +143,7 @@ double longest_side(const std::array<Point3, 3>& corners) {
 std::vector<std::uint32_t> choose_sides(const Surface& surface, const TriangleSoup& soup, double spacing) {
     constexpr double kPiece = 0.5;     // side of a piece, relative to the spacing
     constexpr double kMaxSide = 8192;  // pieces
-    constexpr double kPerSite = 64;    // pieces per site, on average, at most; thin faces need more than others
+    constexpr double kPerSite = 64;    // largest mean number of pieces per site; thin faces need more than others
     const double most =
         static_cast<double>(surface.face_count()) + kPerSite * surface.total_area() / (spacing * spacing);
     std::vector<std::uint32_t> sides(surface.face_count(), 1);
@@ -159,7 +159,7 @@ std::vector<std::uint32_t> choose_sides(const Surface& surface, const TriangleSo
     }
 }
 
-/// Returns the number of samples along each side of a piece, such that there are about as many as texels.
+/// Returns the number of samples along each side of a piece: about the number of texels, limited to 2 to 4.
 std::uint32_t samples_per_side(const TriangleSoup& soup, std::uint32_t triangle, std::uint32_t side) {
     constexpr double kFewest = 2, kMost = 4;
     const auto place = [&](const std::array<double, 3>& weights) {

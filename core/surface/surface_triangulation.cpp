@@ -321,7 +321,8 @@ Point3 SurfaceTriangulation::normals_at(std::uint32_t a, std::uint32_t b) const 
     return surface_->smooth_normal(points_[a]) + surface_->smooth_normal(points_[b]);
 }
 
-/// Whether merging the origin of an edge with its target keeps the topology and folds no triangle.
+/// Whether merging the origin of an edge with its target keeps the topology, and turns no triangle away from the sum of
+/// the surface's normals at its corners.
 bool SurfaceTriangulation::can_collapse(std::uint32_t edge) const {
     const std::uint32_t a = links_.origin(edge), b = links_.target(edge), twin = links_.twin(edge);
     const Point3 up = surface_->smooth_normal(points_[b]);

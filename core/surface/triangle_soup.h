@@ -13,7 +13,7 @@ namespace ccdt {
 /// Treatment of picture coordinates outside [0, 1].
 enum class Wrap : std::uint32_t { Repeat, Clamp, Mirror };
 
-/// Treatment of the alpha of a material: it is ignored, it is 1 above a cutoff and 0 below, or it is kept.
+/// Treatment of the alpha of a material: it is ignored, it becomes 1 from a cutoff on and 0 below, or it is kept.
 enum class AlphaMode : std::uint32_t { Opaque, Mask, Blend };
 
 /// Colour of triangles: a factor and, optionally, a picture. Source: glTF 2.0 (ISO/IEC 12113), 3.9, and the extension
@@ -21,9 +21,9 @@ enum class AlphaMode : std::uint32_t { Opaque, Mask, Blend };
 struct Material {
     std::array<float, 4> factor{1, 1, 1, 1};  ///< red, green, blue in linear light, and alpha
     std::uint64_t first_texel = 0;            ///< index in TriangleSoup::texels
-    std::uint32_t width = 0;                  ///< size of the picture in texels; 0: no picture
-    std::uint32_t height = 0;
-    std::array<Wrap, 2> wrap{};  ///< horizontally and vertically
+    std::uint32_t width = 0;                  ///< width of the picture in texels; 0: no picture
+    std::uint32_t height = 0;                 ///< height of the picture in texels; >= 1 if there is a picture
+    std::array<Wrap, 2> wrap{};               ///< horizontally and vertically
     AlphaMode alpha = AlphaMode::Opaque;
     float cutoff = 0.5F;  ///< of AlphaMode::Mask
     /// Matrix with two rows, from texture coordinates (s, t, 1) to picture coordinates, whose origin is the upper left

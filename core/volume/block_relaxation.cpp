@@ -13,8 +13,8 @@ namespace ccdt {
 namespace {
 
 constexpr double kSitesPerBlock = 16384;
-constexpr double kMostEmptyBlocks = 64;  ///< blocks of the bounding box per block that would hold the sites of a solid
-constexpr double kFewestBlocks = 2;      ///< so that two threads are of use for few sites, too
+constexpr double kMostEmptyBlocks = 64;  ///< largest ratio of the bounding box's blocks to the wanted blocks of a solid
+constexpr double kFewestBlocks = 2;      ///< allows two threads to share the work if there are few sites
 /// Width of the rim around a block whose sites are triangulated with it, in spacings. Almost all tetrahedra with a
 /// corner in the block are those of the complete triangulation.
 constexpr double kRim = 1.75;
@@ -22,10 +22,10 @@ constexpr double kSpring = 0.01;      ///< stiffness of edges relative to the st
 constexpr double kRelaxation = 1.2;   ///< length of a move relative to the move to the minimum
 constexpr double kMaxMove = 0.4;      ///< longest move, in spacings
 constexpr double kLeastVolume = 0.1;  ///< share of its volume that a tetrahedron keeps in a move
+constexpr double kOffset = 1e-9;      ///< largest offset of copies, in the unit frame
 
-constexpr double kOffset = 1e-9;  ///< largest offset of copies, in the unit frame
-
-/// A site and a tetrahedron's face opposite to it, oriented such that the site is on the left.
+/// The face of a tetrahedron that is opposite to a site. The site is on the left of the face, as the last corner of a
+/// Tetrahedron is on the left of the first three.
 using Face = std::array<std::uint32_t, 3>;
 
 /// The faces opposite to each site.
@@ -111,14 +111,14 @@ double BlockRelaxation<Domain>::relax(std::span<Point3> sites, std::size_t free,
     return std::sqrt(std::max(0.0, all.second / all.count - mean * mean)) / mean;
 }
 
-/// Assigns every site to one block, and to the blocks that it or one of its copies is near to.
+/// Makes every site a member of the block that contains it, and of all blocks near it or near one of its copies.
 template <class Domain>
 std::vector<typename BlockRelaxation<Domain>::Block> BlockRelaxation<Domain>::divide(
     std::span<const Point3> sites) const {
     const double blocks_wanted = std::max(kFewestBlocks, static_cast<double>(sites.size()) / kSitesPerBlock);
     const double box = domain_.box().volume();
     const double width = std::cbrt(std::max(domain_.volume(), box / kMostEmptyBlocks) / blocks_wanted);
-    // With a shift, block 0 of a torus continues at the other end. In a box, there is one more block.
+    // If blocks are shifted, block 0 of a torus continues at the other end, and a box has one more block.
     std::array<double, 3> per_length{}, shifts{};
     std::array<std::size_t, 3> counts{};
     double half_block = 0;
@@ -173,8 +173,8 @@ typename BlockRelaxation<Domain>::Sums BlockRelaxation<Domain>::relax_block(cons
     std::vector<Point3> places;
     places.reserve(own + block.near.size());
     for (const Member& member : block.own) places.push_back(member.place);
-    // In a box, a site and its mirror image lie on a circle with any other such pair. Tiny offsets of the copies avoid
-    // the exact arithmetic that such cases need.
+    // In a box, two sites and their mirror images at one face lie on a circle. Tiny offsets of the copies avoid the
+    // exact arithmetic that such cases need.
     for (const Member& member : block.near) {
         Random random(0, places.size());
         const double offset = kOffset * random.uniform();
@@ -212,7 +212,7 @@ typename BlockRelaxation<Domain>::Sums BlockRelaxation<Domain>::relax_block(cons
     }
     sums.count = static_cast<double>(fans.faces.size());
 
-    const double even = domain_.volume() / static_cast<double>(all);  // capacity of a site
+    const double even = domain_.volume() / static_cast<double>(all);  // mean capacity per site
     const double goal = even * 4 * static_cast<double>(own) / sums.count;
     std::vector<Point3> gradients;
     std::vector<double> capacities;
@@ -238,7 +238,7 @@ typename BlockRelaxation<Domain>::Sums BlockRelaxation<Domain>::relax_block(cons
                 mean_weight += weight;
             }
             const auto faces = static_cast<double>(count);
-            // A site with this many faces in its fan has half as many neighbours, and two more.
+            // A site with f opposite faces has f / 2 + 2 neighbours, by Euler's formula.
             const double stiffness = kSpring * std::pow(even, 4.0 / 3) * (faces / 2 + 2);
             const double local = fans.weights.empty() ? 1 : std::pow(mean_weight / faces, 2.0 / 3);
             equations.add_spring(local * stiffness, 1 / (3 * faces) * middle);

@@ -16,14 +16,14 @@
 
 namespace ccdt {
 
-/// Moves sites in space such that the tetrahedra of their Delaunay triangulation hold nearly the same capacity, as
-/// Relaxation does in the plane. Tetrahedra cannot all be equal: there are three coordinates for about six tetrahedra
+/// Moves sites in space such that the capacities of the tetrahedra in their Delaunay triangulation become more equal,
+/// as Relaxation does in the plane. They cannot all be equal: there are three coordinates, but about six tetrahedra,
 /// per site.
 ///
-/// The domain is divided into blocks. Each is triangulated by itself, together with the sites around it and with copies
-/// of sites beyond the domain's border. So blocks can be processed in parallel, and only the triangulations of a few
-/// blocks are in memory at a time. While a block is relaxed, the sites around it keep their places. Blocks have other
-/// borders in every second call.
+/// The domain is divided into blocks of equal size. Each is triangulated separately, together with the sites around it
+/// and with copies of sites beyond the domain's border. So blocks can be processed in parallel, and only the
+/// triangulations of a few blocks are in memory at a time. While a block is relaxed, the sites around it keep their
+/// places. In every second call, the blocks are shifted by half a block.
 /// @tparam Domain  BoxDomain3 or SolidDomain
 template <class Domain>
 class BlockRelaxation {
@@ -34,10 +34,12 @@ public:
 
     /// Triangulates the sites and moves each of them `passes` times.
     /// @param sites  in the domain; the first `free` of them move
-    /// @param stop   a stop leaves the sites where they are
-    /// @returns      the capacity variation of the tetrahedra before the moves: standard deviation over mean
+    /// @param stop   polled regularly; a stop leaves the sites where they are
+    /// @returns      the capacity variation of the tetrahedra before the moves: standard deviation over mean; 0 after a
+    ///               stop
     ///
-    /// The result does not depend on the number of threads. O(sites log sites).
+    /// The result does not depend on the number of threads. O(sites log sites). A triangulation takes about 500 bytes
+    /// per site of a block; blocks hold more sites where the density is high.
     double relax(std::span<Point3> sites, std::size_t free, int passes, const std::stop_token& stop);
 
 private:

@@ -19,34 +19,37 @@ struct BoxDomain3 {
     double volume() const { return sides.x * sides.y * sides.z; }
 
     /// Returns the copy of a point that lies in the domain. Copies on a torus are periodic. Copies in a box are mirror
-    /// images, and the result keeps a tiny distance from the border.
+    /// images, and the result keeps a tiny distance from the border; points farther away than a side are clamped to it.
     Point3 inside(Point3 p) const { return {inside(p.x, sides.x), inside(p.y, sides.y), inside(p.z, sides.z)}; }
 
-    // The members below are those that SolidDomain has, too.
+    // SolidDomain has the following members, too.
 
     /// The bounding box.
     BoxDomain3 box() const { return *this; }
     bool contains(Point3) const { return true; }
     /// Returns a point in the domain.
     Point3 interior() const { return 0.5 * sides; }
-    /// Returns the place in the bounding box at which a copy has its density.
+    /// Returns the place in the bounding box where the density at a copy is defined.
     Point3 in_box(Point3 p) const { return inside(p); }
-    /// Returns the place in the domain where a move ends.
+    /// Returns the place in the domain where a move to a place near the domain ends.
     /// @param from  in the domain
     Point3 moved(Point3 /*from*/, Point3 to) const { return inside(to); }
 
-    /// Calls function(copy, is_original) for the copies of a point up to a distance from the domain, and the point.
+    /// Calls function(copy, is_original) for a point and its copies up to a distance from the domain. Along each axis,
+    /// omits copies that are more than 30 sides away, which only thin domains have within the usual distances.
     template <class Function>
     void for_copies(Point3 p, double distance, Function&& function) const {
-        const Point3 margin{distance, distance, distance};
+        constexpr double kMostSides = 30;
+        const auto limited = [&](double side) { return std::min(distance, kMostSides * side); };
+        const Point3 margin{limited(sides.x), limited(sides.y), limited(sides.z)};
         for_copies(p, {Point3{} - margin, sides + margin}, function);
     }
 
-    /// Calls function(copy, is_original) for all copies of a point, and the point itself, within a window. Copies on a
-    /// torus are periodic. Copies in a box are the images in all mirrors that the faces are. Points and copies together
-    /// have the same density everywhere.
+    /// Calls function(copy, is_original) for a point and all of its copies within a window. Copies on a torus are
+    /// periodic. Copies in a box are mirror images at the faces, and mirror images of these. Points of uniform density
+    /// and their copies together have the same density everywhere.
     /// @param p       in the domain
-    /// @param window  at most 60 times as wide as the domain
+    /// @param window  at most 61 times as wide as the domain
     template <class Function>
     void for_copies(Point3 p, const Box3& window, Function&& function) const {
         const Copies xs = copies(p.x, sides.x, window.min.x, window.max.x);

@@ -14,10 +14,11 @@ namespace ccdt {
 
 namespace {
 
-// Cells of the grid by which the solid is measured.
+// Numbers of cells of the grid by which the solid is measured.
 constexpr double kCellsPerSite = 12, kFewestCells = 1 << 17;
 
-/// Returns the density in each cell of a grid, 0 outside the solid, relative to the mean over the bounding box.
+/// Returns the mean density in each cell of a grid, relative to the mean over the bounding box. The density outside the
+/// solid counts as 0.
 std::vector<double> densities_inside(Solid::Coverage coverage, const VoxelDensity& density) {
     std::vector<double> values = std::move(coverage.shares);
     if (density.is_uniform()) return values;

@@ -10,7 +10,7 @@ namespace ccdt {
 
 namespace {
 
-constexpr double kThinnest = 0.25;  ///< shortest side of a domain, in spacings
+constexpr double kThinnest = 0.25;  ///< least side of a domain, in spacings
 
 bool is_length(double v) {
     return std::isfinite(v) && v > 0;

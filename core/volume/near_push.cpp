@@ -16,8 +16,8 @@ namespace ccdt {
 namespace {
 
 constexpr std::size_t kSites = 512;  ///< sites per task
-/// Distance of layers in the densest packing, relative to the distance of neighbours. With a site's own mirror image at
-/// the distance of a neighbour instead, sites would crowd in the first layer off the border.
+/// Wanted distance of a site from its own mirror image, relative to the distance of neighbours: the distance of layers
+/// in the densest packing. If it were the distance of neighbours, sites would crowd in the first layer off the border.
 constexpr double kLayers = 0.816496580927726;
 constexpr double kMaxPush = 0.5;  ///< longest move, relative to the reach
 

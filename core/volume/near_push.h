@@ -10,16 +10,16 @@
 
 namespace ccdt {
 
-/// Moves near sites apart. In a box, the mirror images of sites push, too, which keeps the first layer half a spacing
-/// off the border.
+/// Moves near sites apart. In a box or solid, the mirror images of sites push, too, which keeps the first layer about
+/// half a spacing off the border. Coincident sites do not push each other.
 /// @tparam Domain   BoxDomain3 or SolidDomain
 /// @param sites     [sites + fixed] in the domain; the first `free` of them move
-/// @param reach     distance below which two sites are pushed, relative to the neighbours' distance in the densest
-///                  packing of as many sites
+/// @param reach     distance below which two sites are pushed, relative to the distance of neighbours in the densest
+///                  packing with the local density
 /// @param share     share of the missing distance by which each of two sites moves; a move is at most half the reach
-/// @param stop      a stop leaves the sites where they are
-/// @returns         the least distance of two sites before the push, relative to the densest packing; `reach` if all
-///                  distances are larger
+/// @param stop      polled regularly; a stop leaves the sites where they are
+/// @returns         the least distance between two sites before the push, relative to the densest packing; `reach` if
+///                  all distances are larger; meaningless after a stop
 ///
 /// The result does not depend on the number of threads. O(sites).
 template <class Domain>

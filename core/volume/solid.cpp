@@ -7,16 +7,16 @@
 #include <sstream>
 #include <utility>
 
-#include "core/volume/voxel_density.h"
+#include "core/geometry/axes.h"
 
 namespace ccdt {
 
 namespace {
 
-constexpr double kMostColumns = 1024;      ///< columns along an axis
-constexpr double kListsPerFace = 16;       ///< most lists that contain a face, on average
+constexpr double kMostColumns = 1024;      ///< largest number of columns along an axis
+constexpr double kListsPerFace = 16;       ///< largest mean number of lists that contain a face
 constexpr double kMeasureCells = 1 << 18;  ///< cells by which the volume is measured
-constexpr double kLeastVolume = 1e-15;     ///< of a solid, in the unit frame
+constexpr double kLeastVolume = 1e-15;     ///< least volume of a solid, in the unit frame
 
 std::string text(Point3 p) {
     std::ostringstream stream;
@@ -29,9 +29,9 @@ double projected_area(Point3 a, Point3 b, Point3 c) {
     return (b.y - a.y) * (c.z - a.z) - (b.z - a.z) * (c.y - a.y);
 }
 
-/// Returns by how much an edge adds to the winding number of a polygon around a point, in the projection along x: 1 or
-/// -1 if the edge crosses the line from the point along y. The edge in the other direction adds exactly the opposite,
-/// so the sum over a closed surface is right in spite of rounding.
+/// Returns the contribution of an edge to the winding number of a polygon around a point, in the projection along x: 1
+/// or -1 if the edge crosses the line from the point along y, otherwise 0. The reversed edge contributes exactly the
+/// opposite, so the sum over a closed surface is right in spite of rounding.
 int edge_winding(Point3 from, Point3 to, Point3 p) {
     const bool up = from.z <= p.z;
     if (up == (to.z <= p.z)) return 0;
@@ -50,7 +50,7 @@ double crossing(const std::array<Point3, 3>& triangle, Point3 p) {
 
 using Polygon3 = std::vector<Point3>;
 
-/// Cuts a convex polygon by a plane perpendicular to an axis.
+/// Cuts a convex polygon by a plane perpendicular to an axis. Returns the parts in `below` and `above`.
 void split(const Polygon3& polygon, std::size_t axis, double plane, Polygon3& below, Polygon3& above) {
     below.clear();
     above.clear();
@@ -129,10 +129,28 @@ double Solid::volume() const {
 }
 
 void Solid::orient_shells() {
-    std::vector<double> turned(surface_.component_count(), 0);
-    for (std::uint32_t face = 0; face < surface_.face_count(); ++face)
-        turned[surface_.component(face)] += surface_.is_turned(face) ? 1 : -1;
-    for (const double surplus : turned) inverted_.push_back(surplus > 0);
+    inverted_.assign(surface_.face_count(), false);
+    std::vector<bool> visited(surface_.face_count(), false);
+    std::vector<std::uint32_t> shell;
+    for (std::uint32_t first = 0; first < surface_.face_count(); ++first) {
+        if (visited[first]) continue;
+        visited[first] = true;
+        shell.assign(1, first);
+        std::size_t turned = 0;
+        // Unlike components, shells continue across creases.
+        for (std::size_t i = 0; i < shell.size(); ++i) {
+            const std::uint32_t face = shell[i];
+            turned += surface_.is_turned(face) ? 1 : 0;
+            for (std::uint32_t side = 0; side < 3; ++side) {
+                const std::uint32_t next = surface_.twin(4 * face + side) / 4;
+                if (visited[next]) continue;
+                visited[next] = true;
+                shell.push_back(next);
+            }
+        }
+        if (2 * turned <= shell.size()) continue;
+        for (const std::uint32_t face : shell) inverted_[face] = true;
+    }
 }
 
 std::size_t Solid::column(double v, std::size_t axis) const {
@@ -150,7 +168,7 @@ void Solid::list_columns() {
     };
     const auto faces = static_cast<std::uint32_t>(surface_.face_count());
     double along_axis = std::clamp(std::sqrt(static_cast<double>(faces)), 1.0, kMostColumns);
-    // Long faces can have many columns. Fewer, wider columns then limit the memory.
+    // Long faces can be in many columns. Fewer, wider columns then limit the memory.
     for (double total = 0;; along_axis /= 2) {
         const auto count = static_cast<std::size_t>(std::max(1.0, along_axis));
         columns_ = {count, count};
@@ -175,8 +193,8 @@ void Solid::list_columns() {
         for_columns(face, [&](std::size_t at) { faces_[--begins_[at]] = face; });
 }
 
-/// Calls function(x, step) for each face that the line through p along x crosses. On the way in the direction of x, the
-/// winding number decreases by `step` at x.
+/// Calls function(x, step) for each face that the line through p along x crosses. The winding number decreases by
+/// `step` where the line crosses the face at x, in the direction of increasing x.
 template <class Function>
 void Solid::for_crossings(Point3 p, Function&& function) const {
     const std::size_t at = column(p.z, 1) * columns_[0] + column(p.y, 0);
@@ -184,7 +202,7 @@ void Solid::for_crossings(Point3 p, Function&& function) const {
         const auto places = surface_.places(faces_[k]);
         const auto& [a, b, c] = places;
         const int turns = edge_winding(a, b, p) + edge_winding(b, c, p) + edge_winding(c, a, p);
-        if (turns != 0) function(crossing(places, p), inverted_[surface_.component(faces_[k])] ? -turns : turns);
+        if (turns != 0) function(crossing(places, p), inverted_[faces_[k]] ? -turns : turns);
     }
 }
 
@@ -195,7 +213,8 @@ bool Solid::holds(Point3 p) const {
     return winding != 0;
 }
 
-/// Finds the middle of the longest part inside of the line along x through the middle of the widest face.
+/// Chooses the line along x through the middle of the face with the largest projection, and sets `interior_` to the
+/// middle of the longest part of this line that is inside. Returns whether there is such a part.
 bool Solid::find_interior() {
     Point3 middle;
     double widest = 0;
@@ -227,10 +246,11 @@ double Solid::Coverage::sum() const {
 
 Solid::Coverage Solid::coverage(double count) const {
     Coverage result;
-    // A flat box has a single layer of cells.
+    // A flat box has a single layer of cells, and a needle a single row.
     const double cell =
         std::max({std::cbrt(sides_.x * sides_.y * sides_.z / count), std::sqrt(sides_.x * sides_.y / count),
-                  std::sqrt(sides_.y * sides_.z / count), std::sqrt(sides_.z * sides_.x / count)});
+                  std::sqrt(sides_.y * sides_.z / count), std::sqrt(sides_.z * sides_.x / count), sides_.x / count,
+                  sides_.y / count, sides_.z / count});
     Point3 per_length;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const double side = along(sides_, axis), cells = std::max(1.0, std::round(side / cell));
@@ -246,7 +266,7 @@ Solid::Coverage Solid::coverage(double count) const {
         polygon.clear();
         for (const Point3 p : surface_.places(face))
             polygon.push_back({p.x * per_length.x, p.y * per_length.y, p.z * per_length.z});
-        const double sign = inverted_[surface_.component(face)] ? -0.5 : 0.5;
+        const double sign = inverted_[face] ? -0.5 : 0.5;
         for_pieces(polygon, 2, layers, [&, rows = rows, columns = columns](const Polygon3& slice, std::size_t z) {
             for_pieces(slice, 1, rows, [&](const Polygon3& bar, std::size_t y) {
                 for_pieces(bar, 0, columns, [&](const Polygon3& piece, std::size_t x) {
@@ -262,7 +282,8 @@ Solid::Coverage Solid::coverage(double count) const {
             });
         });
     }
-    // So far, a cell has the change of the winding number towards the next cell. Sums give the winding number.
+    // So far, each cell holds the difference between its mean winding number and that of the next cell along x. Sums
+    // give the winding numbers.
     constexpr double kRounding = 1e-9;
     for (std::size_t line = 0; line < rows * layers; ++line) {
         double winding = 0;

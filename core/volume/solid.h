@@ -14,12 +14,12 @@ namespace ccdt {
 
 /// The inside of a closed surface: all points around which the surface winds, in either direction.
 ///
-/// A surface may consist of several shells, which are components that no edge joins. Shells may overlap. Each has the
-/// orientation that most of its triangles had in the soup. So a cavity is a shell inside another one that is oriented
-/// the other way.
+/// A surface may consist of several shells: sets of faces that are connected by edges, also by creases. Shells may
+/// overlap. Each has the orientation that most of its triangles had in the soup. A cavity is a shell inside another one
+/// with the opposite orientation.
 class Solid {
 public:
-    /// Makes a solid. O(faces).
+    /// Makes a solid. O(faces), and a constant time for measuring the volume.
     /// @param surface  with any creases
     ///
     /// Errors: Unusable if the surface is open (names a border edge) or encloses no volume.
@@ -29,7 +29,8 @@ public:
 
     /// The bounding box, in the coordinates of the soup.
     const Box3& bounds() const { return bounds_; }
-    /// The volume, in the coordinates of the soup. May be infinite or 0 if coordinates are not of ordinary size.
+    /// The volume, in the coordinates of the soup. It may overflow to infinity, or underflow to 0, if the coordinates
+    /// are extremely large or small.
     double volume() const;
     /// The share of the bounding box that is inside, in (0, 1].
     double share() const { return volume_ / (sides_.x * sides_.y * sides_.z); }
@@ -38,14 +39,15 @@ public:
 
     /// Sides of the bounding box in the unit frame of the surface, where it has a corner at the origin.
     Point3 sides() const { return sides_; }
-    /// Whether a point in the unit frame is inside. Several threads may call it at once. Exact except for rounding
-    /// errors of the distance to the surface, also if the point lies in the plane of an edge. Usually O(sqrt(faces)).
+    /// Whether a point in the unit frame is inside. Wrong only for points whose distance from the surface is as small
+    /// as rounding errors, even if the line through the point along x meets edges or vertices. Several threads may call
+    /// it at once. Usually O(sqrt(faces)).
     bool holds(Point3 p) const;
 
     /// A point inside, in the unit frame.
     Point3 interior() const { return interior_; }
 
-    /// Shares of the cells of a grid over the bounding box that are inside.
+    /// The share that is inside, for each cell of a grid over the bounding box.
     struct Coverage {
         std::array<std::size_t, 3> cells{};
         std::vector<double> shares;  ///< [z][y][x] in [0, 1]
@@ -54,8 +56,8 @@ public:
         double sum() const;
     };
 
-    /// Computes the coverage of a grid. It is exact, except in cells where surfaces cross each other.
-    /// @param count  wanted number of cells, which are nearly cubes
+    /// Computes the coverage of a grid. It is exact up to rounding, except in cells where surfaces cross each other.
+    /// @param count  approximate number of cells; the cells are nearly cubes, unless the box is very thin
     ///
     /// O(cells + faces + cells crossed by each face).
     Coverage coverage(double count) const;
@@ -75,7 +77,7 @@ private:
     Box3 bounds_;
     double volume_ = 0;  ///< in the unit frame
     Point3 interior_;
-    std::vector<bool> inverted_;  ///< [components] whether the faces were turned over
+    std::vector<bool> inverted_;  ///< [faces] whether most triangles of the face's shell were turned over
     /// A grid on the yz plane. Each cell lists the faces whose projection along x may meet it.
     std::array<std::size_t, 2> columns_{};
     std::vector<std::uint32_t> begins_;  ///< [z][y] of each cell, and the end

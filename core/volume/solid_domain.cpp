@@ -5,15 +5,16 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <functional>
 
-#include "core/volume/voxel_density.h"
+#include "core/geometry/axes.h"
 
 namespace ccdt {
 
 namespace {
 
 constexpr std::int8_t kFar = 16;  ///< largest distance that is stored, in cells
-constexpr int kHalvings = 40;     ///< most halvings of a move
+constexpr int kHalvings = 40;     ///< largest number of halvings of a move
 
 }  // namespace
 
@@ -50,7 +51,8 @@ SolidDomain::SolidDomain(const Solid& solid, const Solid::Coverage& coverage) : 
     for_cells([&](std::size_t at, std::size_t number) {
         if (coverage.crossed[number]) grid[at] = 0;
     });
-    // The cells before a cell in the order of the grid, then those after it, in reverse order.
+    // Index offsets of a cell's 13 neighbours that come before it in the order of the grid. The second pass runs in
+    // reverse order and uses the 13 neighbours that come after it.
     std::array<std::size_t, 13> before{};
     std::size_t count = 0;
     for (std::size_t k = 0; k < 3; ++k) {

@@ -12,20 +12,23 @@
 
 namespace ccdt {
 
-/// A solid in the unit frame of its surface, as a domain of sites. Has the members of BoxDomain3. Copies are cheap.
+/// A solid as a domain of sites, in the unit frame of its surface. Has those members of BoxDomain3 that templates over
+/// the domain use. Cheap to copy.
 class SolidDomain {
 public:
     static constexpr bool periodic = false;
 
-    /// @param solid  must outlive this object
+    /// @param solid     must outlive this object
+    /// @param coverage  of the solid
     SolidDomain(const Solid& solid, const Solid::Coverage& coverage);
 
-    /// Sets the integral over the solid of the density, relative to the mean density of the bounding box.
+    /// Sets the integral of the density over the solid, relative to the mean density of the bounding box.
     void set_volume(double volume) { volume_ = volume; }
 
     Point3 sides;  ///< of the bounding box
 
     BoxDomain3 box() const { return {sides, false}; }
+    /// The value of set_volume(); with uniform density, it is the volume.
     double volume() const { return volume_; }
     bool contains(Point3 p) const;
     Point3 interior() const { return solid_->interior(); }
@@ -33,18 +36,18 @@ public:
     Point3 in_box(Point3 p) const;
 
     /// Returns the place where a move ends: `to` if it is inside, or else its mirror image at the nearest point of the
-    /// surface. If that is not inside either, as in thin parts, the move becomes shorter.
+    /// surface. If the image is not inside either, which can happen in thin parts, the move is shortened.
     /// @param from  inside
     Point3 moved(Point3 from, Point3 to) const;
 
     const Surface& surface() const { return solid_->surface(); }
     /// Returns the nearest point of the surface.
     Point3 foot(Point3 p) const { return solid_->surface().place(solid_->surface().nearest(p)); }
-    /// Returns a distance that a point surely has from the surface. O(1).
+    /// Returns a lower bound of the distance of a point from the surface; it may be negative. O(1).
     double clearance(Point3 p) const;
 
     /// Calls function(copy, is_original) for a point and its copy. The copy is the mirror image at the nearest point of
-    /// the surface, unless this image is inside, as if there is a narrow gap.
+    /// the surface. It is left out if it is inside the solid, which can happen at a narrow gap.
     /// @param p         inside
     /// @param distance  largest distance of the copy from the surface
     template <class Function>
@@ -61,7 +64,7 @@ private:
     struct Depths {
         std::array<std::size_t, 3> cells{};
         Point3 per_length;
-        double cell = 0;                ///< shortest side of a cell
+        double cell = 0;                ///< length of the shortest side of a cell
         std::vector<std::int8_t> grid;  ///< [z][y][x] cells to the nearest cell that the surface crosses; < 0 outside
 
         std::size_t index(Point3 p) const;

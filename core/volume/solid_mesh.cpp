@@ -14,11 +14,13 @@ namespace ccdt {
 namespace {
 
 constexpr double kFirstLayer = 0.75;  ///< thickness of the first layer, in spacings
-constexpr double kNearest = 0.5;      ///< distance of vertices on the surface from each other, in spacings
-/// Volume of a tetrahedron on the surface relative to its cubed edges. Flatter ones are left out.
+constexpr double kNearest = 0.5;      ///< least distance of vertices on the surface from each other, in spacings
+/// Tetrahedra with all corners on the surface are left out if six times their volume is less than this share of the
+/// cube of the longest edge at their first corner.
 constexpr double kFlattest = 0.05;
 
-/// Returns vertices on the surface: first those on creases, then the feet of the first layer.
+/// Returns vertices on the surface: first those on creases, then the feet of the first layer of points.
+/// @param creases  is set to the number of vertices on creases
 std::vector<Point3> surface_vertices(const SolidDomain& domain, const VolumeSpacing& spacing,
                                      std::span<const Point3> points, std::size_t& creases) {
     const Surface& surface = domain.surface();
@@ -39,7 +41,7 @@ std::vector<Point3> surface_vertices(const SolidDomain& domain, const VolumeSpac
         if (const Point3 foot = domain.foot(p); length(foot - p) < reach) places.push_back(foot);
     }
     if (places.empty()) return places;
-    // Leaves out feet that are near to an earlier vertex.
+    // Feet that are close to an earlier vertex are left out.
     const CellList3 cells(places);
     std::vector<bool> kept(places.size(), true);
     std::vector<Point3> apart;

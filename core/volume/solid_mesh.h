@@ -12,9 +12,13 @@
 
 namespace ccdt {
 
-/// Triangulates points in a solid, as in a box. Each point of the first layer has another vertex at the nearest point
-/// of the surface. Creases of the surface have vertices, too. The mesh consists of the tetrahedra whose middle is
-/// inside.
+/// Triangulates points in a solid like volume_mesh() in a box, whose parameters are the same. The nearest points of the
+/// surface to the first layer of points are vertices, too, unless they are close to each other, and so are points along
+/// the creases of the surface. The mesh consists of the tetrahedra whose middle is inside, except for flat ones with
+/// all corners on the surface.
+/// @param spacing  of the points in the solid
+///
+/// Deterministic. O(n log n) for n = points + faces.
 TetrahedronMesh volume_mesh(const SolidDomain& domain, const VolumeSpacing& spacing, std::span<const Point3> points,
                             std::size_t free, const std::stop_token& stop);
 

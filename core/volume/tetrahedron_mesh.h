@@ -10,7 +10,7 @@ namespace ccdt {
 
 /// Tetrahedra that fill a domain. On a torus, corners of a tetrahedron may belong to neighbouring periodic copies.
 struct TetrahedronMesh {
-    std::vector<Point3> vertices;  ///< points, then in a box or solid the vertices on its surface
+    std::vector<Point3> vertices;  ///< points; in a box or solid, followed by the vertices on its surface
     std::vector<Tetrahedron> tetrahedra;
 };
 

@@ -13,30 +13,34 @@ namespace ccdt {
 namespace {
 
 constexpr int kSweeps = 5;
-constexpr double kStep = 0.1;            ///< first length of a move, relative to the mean length of edges
-constexpr double kFarthest = 0.35;       ///< largest distance from a vertex to its first place, relative to edges
-constexpr int kHalvings = 3;             ///< further lengths that are tried
-constexpr double kGood = -0.766;         ///< quality that needs no other tetrahedra: no angle below 40 degrees
-constexpr double kLeastGain = 1e-3;      ///< of the quality, for which tetrahedra are replaced
-constexpr std::size_t kLargestRing = 7;  ///< most tetrahedra around an edge that is removed
-constexpr double kInverted = -2;         ///< quality of a tetrahedron that is turned over
+constexpr double kStep = 0.1;             ///< first length of a move, relative to the mean length of edges
+constexpr double kFarthest = 0.35;        ///< largest distance of a vertex from its first place, relative to edges
+constexpr int kHalvings = 3;              ///< number of shorter moves that are tried next
+constexpr double kGood = -0.766;          ///< quality of tetrahedra that are kept: no angle is below 40 degrees
+constexpr double kLeastGain = 1e-3;       ///< least gain of quality for which tetrahedra are replaced
+constexpr std::size_t kLargestRing = 7;   ///< largest number of tetrahedra around an edge that is removed
+constexpr double kInverted = -2;          ///< quality of a tetrahedron that is turned over
+constexpr std::uint32_t kPerPoll = 1024;  ///< vertices or tetrahedra between polls of the stop token
 
-/// Returns the numbers of the corners such that number i comes first and the orientation is kept.
+/// Permutation i of the corners has corner i first and keeps the orientation.
 constexpr std::array<std::array<std::size_t, 4>, 4> kFrom{{{0, 1, 2, 3}, {1, 0, 3, 2}, {2, 3, 0, 1}, {3, 2, 1, 0}}};
 
 class Improver {
 public:
-    Improver(TetrahedronMesh& mesh, Point3 periods, const std::function<Point3(std::uint32_t, Point3)>& slide)
+    Improver(TetrahedronMesh& mesh, Point3 periods, const std::function<Point3(std::uint32_t, Point3)>& slide,
+             const std::stop_token& stop)
         : vertices_(mesh.vertices),
           origins_(mesh.vertices),
           tetrahedra_(mesh.tetrahedra),
           periods_(periods),
-          slide_(slide) {}
+          slide_(slide),
+          stop_(stop) {}
 
     /// Moves each vertex along the negative gradient of its tetrahedra's energy, if this reduces the energy.
     void move_vertices() {
         list_tetrahedra();
         for (std::uint32_t v = 0; v < vertices_.size(); ++v) {
+            if (v % kPerPoll == 0 && stop_.stop_requested()) return;
             if (begins_[v] == begins_[v + 1]) continue;
             const Point3 from = vertices_[v];
             Point3 gradient;
@@ -53,12 +57,13 @@ public:
         }
     }
 
-    /// Replaces the tetrahedra around an edge wherever this makes the worst of them better.
+    /// Replaces the tetrahedra around edges wherever this improves the worst of them.
     void reconnect() {
         list_tetrahedra();
         removed_.assign(tetrahedra_.size(), false);
         const std::size_t count = tetrahedra_.size();
         for (std::uint32_t t = 0; t < count; ++t) {
+            if (t % kPerPoll == 0 && stop_.stop_requested()) break;
             const Tetrahedron corners = tetrahedra_[t];
             if (removed_[t] || quality(corners) > kGood) continue;
             for (std::size_t i = 0; i < 4 && !removed_[t]; ++i) {
@@ -84,7 +89,9 @@ private:
         return v;
     }
 
-    /// Returns the sum over a vertex's tetrahedra of (sum of squared edges)^3 / volume^2.
+    /// Returns the sum over a vertex's tetrahedra of (sum of squared edges)^3 / volume^2, up to a factor; infinite if
+    /// one of them is turned over. Also computes the gradient and the mean length of the vertex's edges if the pointers
+    /// are not null.
     double energy(std::uint32_t v, Point3* gradient, double* mean_edge) const {
         double sum = 0, squares = 0;
         for (std::uint32_t k = begins_[v]; k < begins_[v + 1]; ++k) {
@@ -106,7 +113,7 @@ private:
         return sum;
     }
 
-    /// Returns the negative cosine of the smallest dihedral angle.
+    /// Returns the negative cosine of the smallest dihedral angle; kInverted if the tetrahedron is turned over.
     double quality(const Tetrahedron& corners) const {
         const Point3 a = vector(corners[0], corners[1]), b = vector(corners[0], corners[2]),
                      c = vector(corners[0], corners[3]);
@@ -137,8 +144,9 @@ private:
         }
     }
 
-    /// Triangulates the ring of vertices around an edge instead, by Klincsek's algorithm. Does nothing at the surface,
-    /// and where tetrahedra have been replaced since list_tetrahedra().
+    /// Removes an edge: replaces the tetrahedra around it by those over the best triangulation of the ring of vertices
+    /// around it, by Klincsek's algorithm. Does nothing for edges on the surface, and where tetrahedra have been
+    /// replaced since list_tetrahedra().
     void remove_edge(std::uint32_t a, std::uint32_t b) {
         std::array<std::uint32_t, kLargestRing> ring{}, next{}, around{};
         std::size_t count = 0;
@@ -203,8 +211,9 @@ private:
     std::vector<Tetrahedron>& tetrahedra_;
     Point3 periods_;
     const std::function<Point3(std::uint32_t, Point3)>& slide_;
+    const std::stop_token& stop_;
     std::vector<std::uint32_t> begins_, lists_;  ///< tetrahedra at each vertex
-    std::vector<bool> removed_;                  ///< [tetrahedra] of the last list
+    std::vector<bool> removed_;                  ///< [tetrahedra at the last list_tetrahedra()] whether it is replaced
 };
 
 }  // namespace
@@ -212,7 +221,7 @@ private:
 void improve_tetrahedra(TetrahedronMesh& mesh, Point3 periods,
                         const std::function<Point3(std::uint32_t vertex, Point3 to)>& slide,
                         const std::stop_token& stop) {
-    Improver improver(mesh, periods, slide);
+    Improver improver(mesh, periods, slide, stop);
     for (int sweep = 0; sweep < kSweeps && !stop.stop_requested(); ++sweep) {
         improver.move_vertices();
         improver.reconnect();

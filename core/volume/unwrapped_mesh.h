@@ -8,13 +8,14 @@
 
 namespace ccdt {
 
-/// Places the tetrahedra of a torus in space, for programs that know no tori. The first corner of each tetrahedron
-/// stays where it is, and the others become the nearest of their periodic copies. Copies beyond the border are further
+/// Unwraps the tetrahedra of a torus, for programs that do not support tori. The first corner of each tetrahedron keeps
+/// its place, and each other corner becomes its nearest periodic copy. Copies beyond the border are additional
 /// vertices.
 /// @param sides  sides of the torus
-/// @returns      none if an edge is longer than half a side, so that the nearest copies are the wrong ones
+/// @returns      none if the tetrahedra do not have the volume of the torus together: edges longer than half a side
+///               have the wrong copies as corners
 ///
-/// The tetrahedra together have the volume of the torus. O(vertices + tetrahedra log copies).
+/// Deterministic. O(vertices + tetrahedra log copies).
 std::optional<TetrahedronMesh> unwrapped(const TetrahedronMesh& mesh, Point3 sides);
 
 }  // namespace ccdt

@@ -28,15 +28,15 @@ struct Schedule {
     int relaxations = 0;  ///< relaxations of the tetrahedra, each on a new triangulation
     int passes = 5;       ///< passes per relaxation
     int rounds = 0;       ///< rounds whose pushes reach near neighbours
-    /// Reach of these pushes. The relaxed tetrahedra keep their shapes better if it is short.
+    /// Reach of the pushes of `rounds`. A short reach preserves the shapes of the relaxed tetrahedra better.
     double reach = 0.87;
-    int near_rounds = 0;  ///< rounds with several pushes of the nearest neighbours, except for the last one
-    int waves = 0;        ///< most removals of waves at the end, until their power is negligible
+    int near_rounds = 0;  ///< rounds with several pushes of the nearest neighbours; the first one has no pushes
+    int waves = 0;        ///< maximum number of removals of waves at the end, which stop at a negligible power
 
     int steps() const { return wide_rounds + relaxations + rounds + near_rounds + waves; }
 };
 
-// Benchmark VolumePattern.
+// Benchmark VolumePattern shows the quality that these schedules reach.
 Schedule schedule_of(Quality quality, bool stealthy) {
     switch (quality) {
         case Quality::Draft:
@@ -51,14 +51,18 @@ Schedule schedule_of(Quality quality, bool stealthy) {
 // Reach of pushes, relative to the distance in the densest packing, and share of the missing distance.
 constexpr double kWideReach = 1.1, kWideShare = 0.25;
 constexpr double kNearReach = 0.88, kLastReach = 0.87, kShare = 0.5;
-constexpr int kNearPushes = 3;    ///< pushes per near round
-constexpr int kLastPushes = 10;   ///< most pushes at the end
-constexpr double kLeast = 0.855;  ///< least distance of two points, relative to the densest packing, that ends pushes
+constexpr int kNearPushes = 3;   ///< pushes per near round
+constexpr int kLastPushes = 10;  ///< largest number of pushes at the end
+/// Pushes end when all distances are at least this large, relative to the densest packing.
+constexpr double kLeast = 0.855;
 constexpr double kNegligiblePower = 1e-11;  ///< largest power of a wave that counts as removed
+
 /// Returns the number of points that the bounding box would have if the density continued outside the domain.
 template <class Domain>
 std::size_t points_in_box(const Domain& domain, std::size_t points) {
-    return static_cast<std::size_t>(std::round(static_cast<double>(points) * domain.box().volume() / domain.volume()));
+    constexpr double kMost = 1e18;  // reached if the domain holds hardly any of the mass
+    const double number = std::round(static_cast<double>(points) * domain.box().volume() / domain.volume());
+    return static_cast<std::size_t>(std::min(number, kMost));
 }
 
 /// Builds one distribution, in the unit frame: the longest side is 1.
@@ -86,8 +90,10 @@ public:
         for (int i = 0; i < schedule_.wide_rounds; ++i) round(kWideReach, kWideShare);
         transport_.release_memory();
         for (int i = 0; i < schedule_.relaxations && !stopping(); ++i) {
-            within_density(
-                [&] { trace_.push_back(relaxation_.relax(sites_, free_, schedule_.passes, control_.stop)); });
+            double variation = 0;
+            within_density([&] { variation = relaxation_.relax(sites_, free_, schedule_.passes, control_.stop); });
+            if (stopping()) break;
+            trace_.push_back(variation);
             finish_step();
         }
         for (int i = 0; i < schedule_.rounds; ++i) round(schedule_.reach, kShare);
@@ -119,7 +125,7 @@ public:
 private:
     bool stopping() const { return control_.stop.stop_requested(); }
 
-    /// Puts each fixed point in place of the initial site that is nearest to it, and moves these points to the end.
+    /// Replaces, for each fixed point, the nearest initial site by it. The fixed points come last in `sites_`.
     void replace_nearest(std::span<const Point3> fixed);
 
     void push(double reach, double share, int times) {
@@ -190,7 +196,7 @@ void VolumeConstruction<Domain>::replace_nearest(std::span<const Point3> fixed) 
     std::vector<bool> replaced(sites_.size(), false);
     for (const Point3 p : fixed) {
         std::optional<std::uint32_t> nearest;
-        // There are as many sites as fixed points, or more, so one is found.
+        // There are more initial sites than fixed points, so one is found.
         for (double reach = spacing_.side(p); !nearest; reach *= 2) {
             double least = reach * reach;
             cells.for_near(p, reach, [&](Point3 site, std::uint32_t number) {

@@ -24,8 +24,8 @@ struct VolumeOptions {
     /// points. For other domains, it is the same as Best.
     Quality quality = Quality::Standard;
     bool keep_mesh = false;  ///< whether to fill VolumeDistribution::mesh
-    /// Existing points in the domain, which do not move and are not among the sites. Sites keep the same distance from
-    /// them as from each other. Each takes as much space as a site.
+    /// Existing points in the domain, which do not move and do not count as sites. Sites keep the same distance from
+    /// them as from each other. Each fixed point takes as much space as a site.
     std::vector<Point3> fixed = {};
 };
 
@@ -34,19 +34,20 @@ struct VolumeDistribution {
     /// Capacity variation of the tetrahedra before each relaxation: standard deviation over mean.
     std::vector<double> trace;
     bool stopped = false;  ///< whether a stop ended the computation early; there is no mesh then
-    /// Its vertices are the points, the fixed points, then others. Those of the points are moved by up to half a
-    /// spacing, which makes small dihedral angles larger.
+    /// The vertices are the points, the fixed points, then vertices on the border. The vertices of the points are up to
+    /// half a spacing away from the points, which makes small dihedral angles larger.
     std::optional<TetrahedronMesh> mesh;
     std::vector<std::uint32_t> ranks = {};  ///< [points] rank of each point in a progressive order; may be empty
 };
 
-/// Errors: Malformed if the number of sites is out of range.
+/// Checks the number of sites. Errors: Malformed if it is out of range ("sites").
 Result<void> check_sites(const VolumeOptions& options);
 
-/// Distributes sites in a domain whose longest side is 1: see distribute_in_volume().
+/// Distributes sites in a domain whose longest side is 1. distribute_in_volume() describes the method.
 /// @tparam Domain  BoxDomain3 or SolidDomain
 /// @param density  over the bounding box of the domain
-/// @param inside   the same, but 0 outside the domain; none if the domain is its bounding box
+/// @param inside   the same, multiplied in each voxel by the share of the voxel that is in the domain; none if the
+///                 domain is its bounding box
 /// @param fixed    the fixed points, in the domain's coordinates
 template <class Domain>
 VolumeDistribution construct_volume(const Domain& domain, const VoxelDensity& density,

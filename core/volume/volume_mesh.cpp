@@ -14,8 +14,8 @@ namespace ccdt {
 namespace {
 
 constexpr double kFirstLayer = 0.75;  ///< thickness of the first layer, in spacings
-constexpr double kNarrowest = 6;      ///< side of a torus whose tetrahedra are improved, in spacings
-constexpr double kRim = 2;            ///< width of the rim of periodic copies at first, in spacings
+constexpr double kNarrowest = 6;      ///< least side of a torus whose tetrahedra are improved, in spacings
+constexpr double kRim = 2;            ///< initial width of the rim of periodic copies, in spacings
 
 double circumradius(Point3 a, Point3 b, Point3 c, Point3 d) {
     const Point3 u = b - a, v = c - a, w = d - a;
@@ -26,6 +26,7 @@ double circumradius(Point3 a, Point3 b, Point3 c, Point3 d) {
 TetrahedronMesh torus_mesh(const BoxDomain3& domain, const VolumeSpacing& spacing, std::span<const Point3> points,
                            const std::stop_token& stop) {
     const auto count = static_cast<std::uint32_t>(points.size());
+    const double diagonal = length(domain.sides);
     TetrahedronMesh mesh{{points.begin(), points.end()}, {}};
     for (double rim = kRim; !stop.stop_requested(); rim *= 1.5) {
         std::vector<Point3> places(points.begin(), points.end());
@@ -33,20 +34,18 @@ TetrahedronMesh torus_mesh(const BoxDomain3& domain, const VolumeSpacing& spacin
         double narrowest = domain.sides.x + domain.sides.y + domain.sides.z;
         for (std::uint32_t i = 0; i < count; ++i) {
             numbers[i] = i;
-            const double reach = rim * spacing.side(points[i]);
+            const double reach = std::min(rim * spacing.side(points[i]), 2 * diagonal);
             narrowest = std::min(narrowest, reach);
-            const Point3 margin{reach, reach, reach};
-            domain.for_copies(points[i], {Point3{} - margin, domain.sides + margin},
-                              [&](Point3 copy, bool is_original) {
-                                  if (is_original) return;
-                                  places.push_back(copy);
-                                  numbers.push_back(i);
-                              });
+            domain.for_copies(points[i], reach, [&](Point3 copy, bool is_original) {
+                if (is_original) return;
+                places.push_back(copy);
+                numbers.push_back(i);
+            });
         }
         mesh.tetrahedra.clear();
         double widest = 0;
         for (const Tetrahedron& corners : delaunay_tetrahedra(places, stop)) {
-            // Of all periodic copies of a tetrahedron, the mesh has the one whose lowest vertex is an original.
+            // Of all periodic copies of a tetrahedron, the mesh contains the one whose lowest vertex is an original.
             const auto lowest = std::ranges::min(corners, {}, [&](std::uint32_t corner) {
                 return std::array{numbers[corner], corner};
             });
@@ -55,8 +54,9 @@ TetrahedronMesh torus_mesh(const BoxDomain3& domain, const VolumeSpacing& spacin
             widest = std::max(widest, 2 * circumradius(places[a], places[b], places[c], places[d]));
             mesh.tetrahedra.push_back({numbers[a], numbers[b], numbers[c], numbers[d]});
         }
-        // The circumsphere of every tetrahedron then lies where there are all copies.
-        if (widest <= narrowest) break;
+        // All copies are known in the circumsphere of every tetrahedron then. No sphere without points is wider than
+        // the diagonal, but a computed radius may be, by rounding errors.
+        if (widest <= narrowest || narrowest >= diagonal) break;
     }
     return mesh;
 }
@@ -78,7 +78,7 @@ TetrahedronMesh box_mesh(const BoxDomain3& domain, const VolumeSpacing& spacing,
                 projections.push_back(projection);
             }
         }
-        // The last one of eight projections is a corner of the box.
+        // The last one of eight projections is a corner of the box, which is added below.
         const bool has_corner = projections.size() == 8;
         vertices.insert(vertices.end(), projections.begin() + 1, projections.end() - (has_corner ? 1 : 0));
     }

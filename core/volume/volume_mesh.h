@@ -12,13 +12,14 @@
 
 namespace ccdt {
 
-/// Triangulates points by a Delaunay triangulation, which improve_tetrahedra() improves. In a box, each point of the
-/// first layer has further vertices where it is projected to the faces and edges near it, and the corners of the box
-/// are vertices, too.
-/// @param points  in the domain; the first `free` of them may move, to make small dihedral angles larger
-/// @param stop    after a stop, the mesh must not be used
+/// Computes the Delaunay triangulation of points and improves it by improve_tetrahedra(), except on a torus that is
+/// narrower than six spacings. In a box, the projections of the first layer of points to the faces and edges near them
+/// are vertices, too, and so are the corners of the box.
+/// @param points  in the domain; the vertices of the first `free` of them may be moved, to make small dihedral angles
+///                larger
+/// @param stop    polled regularly; after a stop, the mesh must not be used
 ///
-/// O(points log points).
+/// Deterministic. O(points log points) for points that are spread evenly.
 TetrahedronMesh volume_mesh(const BoxDomain3& domain, const VolumeSpacing& spacing, std::span<const Point3> points,
                             std::size_t free, const std::stop_token& stop);
 

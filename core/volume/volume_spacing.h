@@ -13,20 +13,24 @@
 
 namespace ccdt {
 
-/// The local distance of points: the side of the cube around a place that holds one of the wanted points. If the
-/// density varies, sides are stored on a grid and interpolated.
+/// The local spacing of points: the side of the cube around a place that holds one of the wanted points. If the density
+/// varies, sides are computed on a grid and interpolated.
 class VolumeSpacing {
 public:
-    /// Largest ratio of the mean of two sides at neighbours to one of them.
+    /// Largest distance at which another site pushes a site, relative to the site's own reach. It is a limit only where
+    /// the spacing changes by more than a factor of 2 between neighbours.
     static constexpr double kMaxRatio = 1.5;
 
     /// @param points  number of points in the domain, >= 1
+    ///
+    /// With uniform density, O(1). Otherwise, O(points), with at most 256 cells along each axis of the grid.
     VolumeSpacing(const BoxDomain3& domain, const VoxelDensity& density, std::size_t points, Executor& executor);
 
     bool is_uniform() const { return sides_.empty(); }
     double mean() const { return mean_; }  ///< the spacing if the density were uniform
 
-    /// Returns the side of the cube at a place in the domain.
+    /// Returns the spacing at a place in the domain, > 0. It is at most the cubic root of the domain's volume, and has
+    /// this value where the density is 0 all around.
     double side(Point3 p) const;
 
     /// Returns the distance of neighbours in the densest packing with the local density.

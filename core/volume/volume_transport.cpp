@@ -15,17 +15,18 @@ constexpr double kPi = std::numbers::pi;
 /// Upper limit of the removed frequencies of a uniform density, in cycles per mean spacing. It is just above half the
 /// principal frequency of the densest packing, 0.5456.
 constexpr double kLimit = 0.55;
-/// Four cells per cycle of the highest frequency; see WaveGrid. If the grid must be precise, nearly six.
+/// Cells per spacing: four cells per cycle of the highest frequency or, if the grid must be precise, nearly six. See
+/// WaveGrid for the errors.
 constexpr double kCellsPerSpacing = 2.2, kPreciseCells = 3.2;
 constexpr double kMaxMove = 0.25;     ///< longest move, in spacings
 constexpr std::size_t kSites = 512;  ///< sites per task
 constexpr std::size_t kMaxOctaves = 5;
-/// Limit on the density that octave 0 resolves, relative to the mean density.
+/// Largest density that octave 0 resolves, relative to the mean density.
 constexpr double kMaxContrast = 4;
-/// Limits on the cells of the grid of octave 0, per point and at least. A solid that fills a small part of its bounding
-/// box reaches them.
+/// The grid of octave 0 has at most kMostCells per point, or kFewestCells if that is more. A solid that fills a small
+/// part of its bounding box reaches this limit.
 constexpr double kMostCells = 44, kFewestCells = 1 << 17;
-constexpr double kCaution = 0.7;  ///< number of octaves added to the octave that follows from the spacing
+constexpr double kCaution = 0.7;  ///< is added to the fractional octave that follows from the spacing
 
 /// Returns the share of a wave's error that a round removes.
 /// @param frequency  in cycles per spacing
@@ -92,7 +93,7 @@ double VolumeTransport<Domain>::level(Point3 p) const {
     return std::clamp(level, 0.0, static_cast<double>(octaves_.size() - 1));
 }
 
-/// Computes the wanted density of an octave, as if it consisted of very many points that were spread on the grid.
+/// Computes the wanted density of an octave as if very many points with this density were spread on the grid.
 template <class Domain>
 void VolumeTransport<Domain>::set_target(Octave& octave, std::size_t number, const VoxelDensity& density) {
     WaveGrid& grid = octave.grid;
@@ -129,7 +130,8 @@ void VolumeTransport<Domain>::set_target(Octave& octave, std::size_t number, con
     grid.release_memory();
 }
 
-/// Converts the grid's values from points to the potential of their moves. Returns the largest power of a removed wave.
+/// Replaces the grid's values, the error of density, by the potential of the moves. Returns the largest power of a
+/// removed wave.
 template <class Domain>
 double VolumeTransport<Domain>::solve(Octave& octave) {
     WaveGrid& grid = octave.grid;

@@ -16,9 +16,9 @@
 
 namespace ccdt {
 
-/// Removes long waves of density error from points in space. Works like Transport in the plane, which has the
-/// derivation. Differences: the filter for a uniform density is sharp, which leaves larger distances between points,
-/// and the moves of all octaves are added up, so that each octave has a grid of its own.
+/// Removes long waves of density error from points in space. Works like Transport in the plane, where the derivation
+/// is. Differences: the filter for a uniform density is sharp, which leaves larger distances between points; and each
+/// octave has its own grid, because the moves of all octaves are added up.
 /// @tparam Domain  BoxDomain3 or SolidDomain
 template <class Domain>
 class VolumeTransport {
@@ -26,15 +26,15 @@ public:
     /// @param density  over the bounding box of the domain; in a solid, 0 outside
     /// @param spacing  must outlive this object
     /// @param points   number of sites and fixed points
-    /// @param precise  whether the error of the grid must allow for power below -100 dB; takes more than twice the
-    /// memory
+    /// @param precise  whether the grid is precise enough to reduce power to -100 dB, which takes more than twice the
+    ///                 memory
     VolumeTransport(const Domain& domain, const VoxelDensity& density, const VolumeSpacing& spacing, std::size_t points,
                     bool precise, Executor& executor);
 
-    /// Moves sites such that the error of density vanishes to first order. No move is longer than a quarter of the
-    /// spacing.
+    /// Moves sites such that the error of density in long waves vanishes to first order. No move is longer than a
+    /// quarter of the spacing.
     /// @param sites  [points] in the domain; the first `free` of them move
-    /// @param stop   a stop leaves the sites where they are
+    /// @param stop   polled between the steps; a stop leaves the sites where they are
     /// @returns      the largest power of a removed wave before the moves, relative to the power of random points; 0 if
     ///               the density varies, or after a stop
     double even_out(std::span<Point3> sites, std::size_t free, const std::stop_token& stop);

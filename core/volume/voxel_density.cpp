@@ -2,7 +2,6 @@
 #include "core/volume/voxel_density.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <string>
 
@@ -10,7 +9,9 @@ namespace ccdt {
 
 Result<VoxelDensity> VoxelDensity::create(const std::array<std::size_t, 3>& voxels, std::span<const double> values) {
     const auto [columns, rows, layers] = voxels;
-    if (columns == 0 || rows == 0 || layers == 0 || values.size() != columns * rows * layers)
+    // The quotients come first, because the product could overflow.
+    if (columns == 0 || rows == 0 || layers == 0 || values.size() / columns / rows != layers ||
+        values.size() != columns * rows * layers)
         return failure(ErrorCode::Malformed, "the density must have one value for each voxel", "density");
     for (std::size_t i = 0; i < values.size(); ++i) {
         if (!(values[i] >= 0) || !std::isfinite(values[i]))

@@ -18,11 +18,12 @@ class VoxelDensity {
 public:
     static VoxelDensity uniform() { return {}; }
 
+    /// Makes a density. It is uniform() if all values are equal.
     /// @param voxels  number of voxels along x, y and z, each >= 1
     /// @param values  [voxels along z][along y][along x] densities, >= 0 and finite
     ///
-    /// Errors: Malformed if the number of values is wrong or a value is negative or not finite ("density/N"); Unusable
-    /// if all are 0. Takes 8 bytes per voxel.
+    /// Errors: Malformed if the number of values is wrong ("density"), or a value is negative or not finite
+    /// ("density/N"); Unusable if all are 0 ("density"). O(voxels). Takes 8 bytes per corner of the voxels.
     static Result<VoxelDensity> create(const std::array<std::size_t, 3>& voxels, std::span<const double> values);
 
     bool is_uniform() const { return sums_.empty(); }
@@ -39,8 +40,8 @@ public:
     /// @param box  within [0, 1]^3
     double mass(const Box3& box) const;
 
-    /// Returns the coordinate of the plane that cuts a share of the mass off a box, or off its thin slice if the mass
-    /// is 0. O(log voxels).
+    /// Returns the coordinate of the plane below which a box has a share of its mass or, if its mass is 0, of its
+    /// volume. O(log voxels).
     /// @param axis   0, 1 or 2: the plane is perpendicular to x, y or z
     /// @param share  in (0, 1)
     double cut(const Box3& box, std::size_t axis, double share) const;
@@ -49,7 +50,8 @@ public:
     /// @param shares  three random numbers in (0, 1)
     Point3 draw(Box3 box, const std::array<double, 3>& shares) const;
 
-    /// Returns the density at the average point, relative to the mean density; 1 if the density is uniform.
+    /// Returns the mean of the density over all points of a pattern with this density, relative to the mean over the
+    /// volume; 1 if the density is uniform.
     double contrast() const { return contrast_; }
 
 private:
@@ -58,9 +60,10 @@ private:
 
     std::array<std::size_t, 3> voxels_{1, 1, 1};
     double contrast_ = 1;
-    /// Share of the mass below and left of each corner of the voxels [z + 1][y + 1][x + 1]; empty if uniform.
+    /// [layers + 1][rows + 1][columns + 1] share of the mass between the origin and each corner of the voxels; empty if
+    /// uniform.
     std::vector<double> sums_;
-    std::vector<bool> positive_;  ///< [voxels] whether the density is > 0; empty if it is everywhere
+    std::vector<bool> positive_;  ///< [voxels] whether the density is > 0; empty if it is > 0 everywhere
 };
 
 }  // namespace ccdt

@@ -10,7 +10,7 @@ namespace ccdt {
 namespace {
 
 constexpr double kSteepness = 2.3;  ///< of the kernel, per cell of width; optimal for twice the resolution
-constexpr std::size_t kLayers = 8;  ///< layers per slab; more than half of the taps on either side
+constexpr std::size_t kLayers = 8;  ///< layers per slab; more than the three layers to which taps reach beyond a slab
 
 std::variant<RealTransform, CosineTransform> make_transform(bool periodic, const std::array<int, 3>& cells,
                                                             Executor& executor) {
@@ -18,8 +18,9 @@ std::variant<RealTransform, CosineTransform> make_transform(bool periodic, const
     return CosineTransform(cells, executor);
 }
 
-/// Returns the kernel's Fourier transform.
+/// Returns the kernel's Fourier transform, by the trapezoidal rule.
 /// @param frequency  in cycles per cell
+/// @param width      of the kernel, in cells
 double window(double frequency, double width) {
     constexpr int kSteps = 64;
     const double step = width / 2 / kSteps;
@@ -57,7 +58,8 @@ double WaveGrid::frequency(std::size_t number, std::size_t axis) const {
     return (2 * cycles > cells ? cycles - cells : cycles) / sides_[axis];
 }
 
-/// On a torus, grid points are at the corners of cells. In a box, they are at the centres.
+/// Returns the grid points over which a coordinate is spread. On a torus, grid points are at the corners of cells; in a
+/// box, they are at the centres.
 template <bool kSlopes>
 WaveGrid::Taps WaveGrid::taps(double v, std::size_t axis) const {
     constexpr double kHalf = kTaps / 2.0;
@@ -114,8 +116,8 @@ void WaveGrid::spread(std::span<const Point3> points, std::span<const double> we
     std::uint32_t sum = 0;
     for (std::uint32_t& begin : begins_) begin = sum += begin;
     for (std::size_t i = points.size(); i-- > 0;) order_[--begins_[slab_of(points[i])]] = static_cast<std::uint32_t>(i);
-    // Taps reach into the next slabs only. Slabs of one phase are not next to each other. In a torus with an odd number
-    // of slabs, the last one is next to the first one and has a phase of its own.
+    // The taps of a slab reach only into adjacent slabs, and slabs of one phase are not adjacent. On a torus with an
+    // odd number of slabs, the last one is adjacent to the first one, so it has a phase of its own.
     const bool has_last = domain_.periodic && slabs % 2 == 1 && slabs > 1;
     for (std::size_t phase = 0; phase < 3; ++phase) {
         executor_.run(slabs, [&](std::size_t slab) {

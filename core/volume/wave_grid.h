@@ -16,8 +16,8 @@
 
 namespace ccdt {
 
-/// A grid in space that transforms points to waves, and waves to gradients at points: SplineGrid in the plane. The
-/// waves of a torus are periodic, those of a box are cosines, which mirror at its faces.
+/// A grid in space that transforms points to waves, and waves to gradients at points, as SplineGrid does in the plane.
+/// The waves of a torus are periodic; those of a box are cosines, which are mirrored at its faces.
 ///
 /// Each point is spread over 6 x 6 x 6 grid points. With a B-spline of this width as kernel, the error of a wave at a
 /// quarter of the grid's frequency would be 1e-3. With the "exponential of semicircle" kernel, it is 5e-5, and 3e-6 at
@@ -28,14 +28,14 @@ class WaveGrid {
 public:
     static constexpr int kMinCells = 8;  ///< least number of cells along each axis
 
-    /// @param cells     least number of cells along each axis
+    /// @param cells     least number of cells along each axis, at most 1e9
     /// @param executor  runs the steps; must outlive this object
     WaveGrid(const BoxDomain3& domain, const Point3& cells, Executor& executor);
 
-    /// Replaces the grid's values by points with values.
-    /// @param points  in the domain
-    /// @param values  [points]; empty: 1 each
-    void spread(std::span<const Point3> points, std::span<const double> values);
+    /// Replaces the grid's values by points with weights.
+    /// @param points   in the domain
+    /// @param weights  [points]; empty: 1 each
+    void spread(std::span<const Point3> points, std::span<const double> weights);
 
     /// Transforms the grid's values to coefficients, and back. Both together multiply the values by copies() * cells.
     void forward();
@@ -47,11 +47,11 @@ public:
     std::span<double> values();
     const std::array<int, 3>& cells() const { return cells_; }
 
-    /// Returns the gradient, per unit of length, of the function with the coefficients that backward() has transformed.
-    /// The coefficients must have been divided by window() before.
+    /// Returns the gradient, per unit of length, of the function whose coefficients backward() has transformed. These
+    /// must have been divided by Wave::window before.
     Point3 gradient(Point3 p) const;
 
-    /// Ratio of a coefficient to the sum over points that it represents.
+    /// Factor by which forward() multiplies the sum over points that a coefficient represents.
     double copies() const { return domain_.periodic ? 1 : 8; }
 
     /// A wave, by its frequency in cycles per unit of length.
@@ -116,7 +116,7 @@ private:
     std::array<std::vector<double>, 3> windows_;
     std::variant<RealTransform, CosineTransform> transform_;
     std::span<double> values_;
-    std::vector<std::uint32_t> order_, begins_;  ///< points sorted by slabs of layers
+    std::vector<std::uint32_t> order_, begins_;  ///< points sorted by slabs of layers, and the start of each slab
 };
 
 }  // namespace ccdt

@@ -5,10 +5,11 @@
     masks.py http://localhost:8080 --side 128 --depth 1
     masks.py http://localhost:8080 --side 64 --depth 32
 
-The rows of a table are the mean power of the pixels below a threshold, relative to random pixels: in each frame, below
-a quarter and below half of the principal frequency of the rarer pixels, and along time, below a quarter of the rarer
-pixels' frequency, at most 1/8. The last lines measure the values themselves. Masks of the literature are those of
-void-and-cluster (Ulichney 1993, sigma 1.5), and for a depth spatiotemporal blue noise (Wolfe et al. 2022, sigma 1.9).
+The rows of a table are the mean power of the pixels below a threshold, relative to random pixels. In each frame, it is
+that below a quarter and below half of the principal frequency of the rarer pixels, black or white. In time, it is that
+of single pixels below a quarter of the frequency at which the rarer ones follow each other, and at most below 1/8. The
+last lines are the errors of means of successive frames. Masks of the literature are void-and-cluster (Ulichney 1993,
+sigma 1.5) and, for several frames, spatiotemporal blue noise (Wolfe et al. 2022, sigma 1.9).
 """
 import argparse
 import io
@@ -74,7 +75,7 @@ def void_and_cluster(side, depth, seed):
 
 
 def measure(values):
-    """Returns rows of numbers, each with its name."""
+    """Returns the rows of a mask in the table by name: a power for each threshold."""
     depth, side = values.shape[:2]
     frequency = numpy.hypot(*numpy.meshgrid(*2 * [numpy.fft.fftfreq(side)]))
     rows = {"frames, below 0.25": [], "frames, below 0.5": []}
@@ -107,7 +108,7 @@ def table(masks):
 
 
 def averages(name, values):
-    """Prints the error of the mean of successive frames, relative to frames that do not depend on each other."""
+    """Prints the error of the mean of successive frames, relative to independent frames."""
     errors = []
     for frames in (2, 4, 8, 16):
         mean = sum(numpy.roll(values, i, 0) for i in range(frames)) / frames

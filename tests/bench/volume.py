@@ -4,13 +4,13 @@
 
     volume.py http://localhost:8080 4096 --quality draft standard best stealthy --cycodebase PATH
 
-The first table is for a torus of uniform density: distances relative to the face-centred cubic lattice, and the mean
-power below half the principal frequency. The rows of other methods are random points, scipy's Poisson disk (its radius
-is chosen such that it finds about as many points), and Yuksel's sample elimination, which gets five random samples per
-point. The second table has the noise of the density that smoothed particle hydrodynamics computes at the points, by a
-cubic spline with 58 neighbours: the standard deviation relative to the smoothed wanted density. The densities are
-uniform, a ball whose density falls with the square of the radius, and random clumps. Near the middle of the ball, the
-density changes by a large factor within a spacing; a column leaves out this core. All are for one seed.
+The first table is for a torus of uniform density: distances relative to the face-centred cubic lattice, the mean power
+below half its principal frequency, and noise. The rows of other methods are random points, scipy's Poisson disk (its
+radius is chosen such that it finds about as many points), and Yuksel's sample elimination, which gets five random
+samples per point. The second table has the noise for a ball whose density falls with the square of the radius, and for
+random clumps. Near the middle of the ball, the density changes by a large factor within a spacing; a column leaves out
+this core. Noise is that of the density of smoothed-particle hydrodynamics at the points, by a cubic spline with 58
+neighbours: the standard deviation relative to the smoothed wanted density. All results are for one seed.
 """
 import argparse
 import io
@@ -55,7 +55,7 @@ def distances(points):
 
 
 def low_power(points):
-    """Returns the mean power below half the principal frequency of the lattice, in dB. Of many waves, uses a part."""
+    """Returns the mean power below half the principal frequency of the lattice, in dB. Samples the waves if many."""
     end = len(points) ** (1 / 3) * 1.5 ** 0.5 / 2 ** (1 / 6) / 2
     span = numpy.arange(-int(end), int(end) + 1)
     waves = numpy.stack(numpy.meshgrid(span, span, span), -1).reshape(-1, 3)
@@ -68,12 +68,12 @@ def low_power(points):
 
 
 def kernel(q):
-    """Returns the cubic spline of smoothed particle hydrodynamics, up to a factor; q is in smoothing lengths."""
+    """Returns the cubic spline of smoothed-particle hydrodynamics, up to a factor; q is in smoothing lengths."""
     return numpy.where(q < 1, 1 - 1.5 * q ** 2 + 0.75 * q ** 3, 0.25 * numpy.clip(2 - q, 0, None) ** 3)
 
 
 def noise(points, periodic, density, core=0.0):
-    """Returns the standard deviation of the density at points relative to the smoothed wanted density, in percent.
+    """Returns the standard deviation of the ratio of the density at points to the smoothed wanted density, in percent.
 
     Args:
         density: function of positions [..., 3]: the number of points per volume, and 0 outside the domain.

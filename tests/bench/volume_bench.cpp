@@ -23,7 +23,7 @@ namespace {
 
 constexpr BoxDomain3 kTorus{{1, 1, 1}, true};
 
-/// Measures points of the torus.
+/// Measures distances and powers of points on the torus.
 Analysis measure(std::span<const Point3> points) {
     const std::vector<Point3> set(points.begin(), points.end());
     return *analyse(std::span(&set, 1), kTorus.sides, true, {.max_frequency = 1});
@@ -71,10 +71,10 @@ double processor_ms() {
     return 1000.0 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
-/// Measures points on a torus in space of uniform density. `over_delaunay` is the ratio of the time, with all threads,
-/// to that of one CGAL Delaunay triangulation of as many random points, and `work_over_delaunay` the ratio of the
-/// processor times, which other programs disturb less. Arguments: number of sites, quality (0 draft, 1
-/// standard, 2 best, 3 stealthy).
+/// Measures points of uniform density on a torus in space. `over_delaunay` is the ratio of the time, with all threads,
+/// to that of one CGAL Delaunay triangulation of as many random points. `work_over_delaunay` is the ratio of the
+/// processor times, which other programs disturb less. Distances are relative to the densest packing. Arguments: number
+/// of sites, quality (0 draft, 1 standard, 2 best, 3 stealthy).
 void VolumePattern(benchmark::State& state) {
     ThreadExecutor executor(std::thread::hardware_concurrency());
     Control control;
@@ -117,9 +117,9 @@ BENCHMARK(VolumePattern)
     ->Unit(benchmark::kMillisecond)
     ->UseManualTime();
 
-/// Measures the first k points in a progressive order on a torus in space, for k from n / 64 on: the least and the mean
-/// distance, relative to the densest packing of k points, and the power, as VolumePattern does. Reports the worst and
-/// the mean over all k.
+/// Measures the first k points in a progressive order on a torus in space: the least and the mean distance, relative to
+/// the densest packing of k points, and the power, as VolumePattern does. Reports the worst and the mean over 25 values
+/// of k from n / 64 to n.
 void VolumeOrder(benchmark::State& state) {
     constexpr int kCounts = 25;
     VolumeOptions options;

@@ -37,10 +37,12 @@ struct Torus3 {
     double depth = 0;
 };
 
-/// The inside of a closed surface: all points around which the surface winds. Coordinates must be finite.
+/// The inside of a closed surface: all points around which the surface winds, in either direction. Several shells may
+/// be nested, also as cavities with the opposite orientation, and may overlap. Coordinates must be finite.
 struct Solid {
     std::vector<Point3> vertices;
-    std::vector<std::array<std::uint32_t, 3>> triangles;  ///< indices of vertices; need not have the same orientation
+    /// Indices of vertices. The triangles of a shell need not have the same orientation: that of most of them counts.
+    std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
 /// A domain in space.
@@ -56,27 +58,32 @@ struct VoxelGrid {
 /// Options of sample_volume(). The defaults are those of the service.
 struct VolumeOptions {
     std::optional<VoxelGrid> density = {};  ///< none: uniform
-    std::vector<Point3> fixed = {};         ///< as SampleOptions::fixed
-    std::uint64_t seed = 0;                 ///< 0 to 2^53 - 1
-    /// Stealthy needs a torus, a uniform density and no fixed points. Otherwise, it is the same as Best.
+    /// Existing points in the domain, which do not move and are not part of the result. Points keep the same distance
+    /// from them as from each other.
+    std::vector<Point3> fixed = {};
+    std::uint64_t seed = 0;  ///< 0 to 2^53 - 1
+    /// Quality::Stealthy needs a torus, a uniform density and no fixed points. Otherwise, it is the same as Best.
     Quality quality = Quality::Standard;
     bool progressive = false;      ///< whether to order the points such that, for any k, the first k are evenly spread
     bool keep_tetrahedra = false;  ///< whether to fill VolumeSample::tetrahedra
     bool partial = false;          ///< whether a stop returns the current points instead of an error
 };
 
-/// A Delaunay triangulation of points in space. On a torus, the corners of a tetrahedron may belong to neighbouring
-/// periodic copies.
+/// Tetrahedra that fill a domain. They are made from a Delaunay triangulation by enlarging small dihedral angles. On a
+/// torus, the corners of a tetrahedron may belong to neighbouring periodic copies.
 struct Tetrahedra {
-    std::vector<Point3> vertices;                       ///< points, fixed points, then vertices on the border
+    /// A vertex for each point, each fixed point, then vertices on the border. The vertices of points can be up to half
+    /// a spacing away from the points.
+    std::vector<Point3> vertices;
     std::vector<std::array<std::uint32_t, 4>> corners;  ///< indices of vertices
 };
 
 /// Points in space.
 struct VolumeSample {
     std::vector<Point3> points;  ///< [sites] in the domain
-    std::vector<double> trace;   ///< capacity variation of the tetrahedra before each iteration
+    std::vector<double> trace;   ///< capacity variation, standard deviation over mean, before each iteration
     bool stopped = false;        ///< whether a stop ended the computation early; only with VolumeOptions::partial
+    /// Only with VolumeOptions::keep_tetrahedra; none if a stop came before they were computed.
     std::optional<Tetrahedra> tetrahedra;
 };
 
@@ -84,10 +91,12 @@ struct VolumeSample {
 ///
 /// @param sites  number of points, 1 to 2^31; the result has exactly this number
 ///
-/// Errors: Malformed for an option out of range, a side that is not positive or not finite, and a fixed point outside
-/// the domain; Unusable for a box or torus that is thinner than a quarter of the points' distance, a surface that is
-/// open or encloses no volume, and a density that is zero everywhere in the domain; Stopped. The same arguments give
-/// the same points, whatever the number of threads. O(sites log sites).
+/// Errors: Malformed for an option out of range, a number of density values other than that of the voxels, a side that
+/// is not positive or not finite, a vertex that is not finite, an index without a vertex, and a fixed point outside the
+/// domain; Unusable for a box or torus that is thinner than a quarter of the points' distance, a surface that is open
+/// or encloses no volume, and a density that is zero everywhere in the domain; LimitExceeded for more than 2^30
+/// triangles; Stopped. The same arguments give the same points, whatever the number of threads. O(n log n) for n =
+/// sites + triangles, and O(voxels).
 CCDT_EXPORT VolumeSample sample_volume(const VolumeDomain& domain, std::size_t sites, const VolumeOptions& options = {},
                                        const Control& control = {});
 

@@ -36,6 +36,14 @@ TEST(BoxDomain3, MapsCopiesBackToThePoint) {
     }
 }
 
+TEST(BoxDomain3, LimitsTheCopiesOfThinDomains) {
+    for (const bool periodic : {false, true}) {
+        std::size_t copies = 0;
+        BoxDomain3{{1, 1, 1e-4}, periodic}.for_copies({0.5, 0.5, 3e-5}, 0.25, [&](Point3, bool) { ++copies; });
+        EXPECT_EQ(copies, 61u) << periodic;
+    }
+}
+
 TEST(BoxDomain3, OmitsTheOriginalOutsideTheWindow) {
     std::vector<Point3> found;
     BoxDomain3{kSides, true}.for_copies({0.9, 0.1, 0.1}, {{-0.2, 0, 0}, {0.2, 0.2, 0.2}},

@@ -182,6 +182,17 @@ TEST(DistributeInVolume, HandlesFewPoints) {
     }
 }
 
+TEST(DistributeInVolume, HandlesThinDomainsOfVaryingDensity) {
+    // Where the density is low, the spacing is about 25 times the shortest side.
+    const VoxelDensity density = *VoxelDensity::create({2, 2, 1}, std::array<double, 4>{1, 1e-3, 1e-3, 1e-3});
+    for (const bool periodic : {false, true}) {
+        const BoxDomain3 domain{{1, 1, 4e-3}, periodic};
+        const auto result = distributed(domain, {.sites = 1000, .quality = Quality::Draft}, density);
+        EXPECT_EQ(result.points.size(), 1000u);
+        EXPECT_GT(distances(domain, result.points).least, 0);
+    }
+}
+
 TEST(DistributeInVolume, FillsTheDomainWithTetrahedra) {
     for (const BoxDomain3& domain : {BoxDomain3{{1, 0.7, 0.4}, false}, BoxDomain3{{1, 0.7, 0.4}, true}}) {
         const auto result = distributed(domain, {.sites = 2000, .keep_mesh = true});

@@ -64,6 +64,17 @@ TEST(Solid, DoesNotDependOnTheOrientationOfTheSoup) {
     EXPECT_NEAR(ball.volume(), solid_of(test::sphere_surface(2)).volume(), 1e-12);
 }
 
+TEST(Solid, OrientsShellsAcrossCreases) {
+    TriangleSoup cube = test::cube_surface();
+    for (std::size_t i = 0; i < 2; ++i) std::swap(cube.triangles[i][1], cube.triangles[i][2]);  // one side
+    auto made = Surface::create(cube, 0.5);
+    ASSERT_TRUE(made);
+    const auto solid = Solid::create(std::move(made->surface));
+    ASSERT_TRUE(solid);
+    EXPECT_NEAR(solid->volume(), 1, 1e-9);
+    for (const double v : {0.1, 0.5, 0.9}) EXPECT_TRUE(solid->contains({v, v, v})) << v;
+}
+
 TEST(Solid, MeasuresTheShareOfEachCell) {
     const TriangleSoup tetrahedron{.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
                                    .triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};

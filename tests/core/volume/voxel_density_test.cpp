@@ -103,6 +103,8 @@ TEST(VoxelDensity, RejectsUnusableValues) {
     EXPECT_EQ(code({0, 0}), "density");
     EXPECT_EQ(VoxelDensity::create({2, 1, 1}, std::array{0.0, 0.0}).error().code, ErrorCode::Unusable);
     EXPECT_EQ(VoxelDensity::create({0, 1, 1}, {}).error().code, ErrorCode::Malformed);
+    constexpr std::size_t kHuge = std::size_t{1} << 32;  // its square overflows to 0
+    EXPECT_EQ(VoxelDensity::create({kHuge, kHuge, 1}, {}).error().code, ErrorCode::Malformed);
 }
 
 }  // namespace
