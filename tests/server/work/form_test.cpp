@@ -47,7 +47,7 @@ TEST(Form, NamesTheFormatsOfMeshes) {
         "--b\r\nContent-Disposition: form-data; name=\"mesh\"; filename=\"a.fbx\"\r\n\r\nKaydara\r\n--b--\r\n";
     const auto fields = find_fields(request);
     ASSERT_FALSE(fields);
-    EXPECT_EQ(fields.error().message, "the file is no mesh of a known format: STL, OBJ, PLY, OFF, glTF or GLB");
+    EXPECT_EQ(fields.error().message, "the file is not a mesh of a known format: STL, OBJ, PLY, OFF, glTF or GLB");
     request.body.replace(request.body.find("Kaydara"), 7, "v 0 0 0\n");
     EXPECT_TRUE(find_fields(request));
 }
