@@ -258,7 +258,7 @@ TEST(SurfaceReader, DecodesPicturesLikeOtherImages) {
     for (std::size_t i = 0; i < reds.size(); ++i) ASSERT_EQ(reds[i], to_srgb(static_cast<double>(picture.red[i]))) << i;
 }
 
-TEST(SurfaceReader, ReadsTheRestOfAMaterial) {
+TEST(SurfaceReader, ReadsFactorsAndTransformsOfMaterials) {
     // Wrapping modes, a quarter turn, and a factor.
     const auto contents = read(textured_glb(
         grey_png({0, 64, 128, 255}, 2), R"("wrapS":33071,"wrapT":33648)",
