@@ -2,9 +2,11 @@
 #include "server/work/form.h"
 
 #include <algorithm>
+#include <string>
 #include <string_view>
 #include <utility>
 
+#include "api/sample/voxel_input.h"
 #include "api/surface/surface_header.h"
 #include "server/http/http.h"
 
@@ -63,6 +65,9 @@ Result<void> take_apart(ComputeRequest& request, const std::vector<FormPart>& fi
     if (!is_form(request)) return {};
     const auto body = find_body(fields, part);
     if (!body) return tl::unexpected(body.error());
+    if ((*body)->name == kDensity && !api::is_voxel_file((*body)->content(request.body)))
+        return failure(ErrorCode::Unsupported, "the file does not have voxels in a known format: NPY or TIFF",
+                       std::string(kDensity));
     for (const FormPart& field : fields) {
         if (&field == *body) continue;
         if (!request.query.empty()) request.query += '&';

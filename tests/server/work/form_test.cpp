@@ -52,6 +52,18 @@ TEST(Form, NamesTheFormatsOfMeshes) {
     EXPECT_TRUE(find_fields(request));
 }
 
+TEST(Form, NamesTheFormatsOfVoxels) {
+    ComputeRequest request{"/sample", "", "multipart/form-data; boundary=b", "", {}};
+    request.body =
+        "--b\r\nContent-Disposition: form-data; name=\"density\"; filename=\"a.raw\"\r\n\r\n123\r\n--b--\r\n";
+    const auto refused = taken_apart(request, "map");
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().message, "the file does not have voxels in a known format: NPY or TIFF");
+    EXPECT_EQ(refused.error().field, "density");
+    request.body.replace(request.body.find("123"), 3, "\x93NUMPY");
+    EXPECT_EQ(taken_apart(request, "map")->body, "\x93NUMPY");
+}
+
 TEST(Form, AppendsFieldsWithAnyContentToTheQuery) {
     const Fields fields = {{"a&b=c", "%+ &=#?"}, {"empty", ""}, {"a", "\xff\xc3\xa4"}, {"a", "again"}};
     Fields with_picture = fields;
