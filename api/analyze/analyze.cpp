@@ -115,7 +115,7 @@ Result<void> settle_points(Draft& draft, const Limits& limits) {
     AnalyzeRequest& request = draft.request;
     request.single = draft.points.has_value();
     request.points = request.single ? *std::move(draft.points) : *std::move(draft.sets);
-    const bool is_right = std::visit(
+    const bool domain_fits = std::visit(
         [&](auto& given) {
             request.options.max_frequency = draft.max_frequency.value_or(given.kMaxFrequency);
             if (!draft.domain) return true;
@@ -124,7 +124,7 @@ Result<void> settle_points(Draft& draft, const Limits& limits) {
             return domain != nullptr;
         },
         request.points);
-    if (!is_right)
+    if (!domain_fits)
         return failure(ErrorCode::Malformed, "domain must have a depth if and only if points have three coordinates",
                        "/domain");
     return check_count(request, limits);

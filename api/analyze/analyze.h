@@ -33,12 +33,13 @@ std::span<const AnalysisFormat* const> analyze_formats();
 /// Returns the names of the options.
 std::vector<std::string_view> analyze_options();
 
-/// Sets of points with their domain.
+/// Sets of points in the plane, with their domain.
 struct PlaneSets {
     std::vector<std::vector<Point>> sets;
     Rectangle domain{1, 1, true};
     static constexpr double kMaxFrequency = 4;  ///< default of max_frequency
 };
+/// Sets of points in space, with their domain.
 struct SpaceSets {
     std::vector<std::vector<Point3>> sets;
     BoxDomain3 domain{{1, 1, 1}, true};

@@ -187,13 +187,13 @@ Result<std::vector<P>> read_json(std::string_view text, const Limits& limits) {
     return points;
 }
 
-/// A property of the vertices of a PLY: its place in a vertex and its size, in bytes or, in a text, in words.
+/// A property of the vertices of a PLY: its offset in a vertex and its size, in bytes or, in an ASCII file, in words.
 struct PlyProperty {
     std::size_t place = 0;
     std::size_t size = 0;  ///< 0 if missing
 };
 
-/// Vertices of a PLY, which must be its first element.
+/// Layout and data of the vertices of a PLY, which must be its first element.
 struct PlyVertices {
     bool is_text = false;
     std::size_t count = 0, size = 0;

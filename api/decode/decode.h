@@ -15,9 +15,8 @@ namespace ccdt::api {
 /// Reads a mesh file by read_surface() and the pictures of its materials by decode_colour_image().
 Result<SurfaceContents> read_surface_with_pictures(std::string_view bytes, const SurfaceHeader& header);
 
-/// Decoders: decode_image(), decode_colour_image() and
-/// read_surface_with_pictures(), or functions that do the same in another
-/// process. They may poll the stop token; after a stop, they fail with Stopped.
+/// Decoders: decode_image(), decode_colour_image() and read_surface_with_pictures(), or functions that do the same in
+/// another process. They may poll the stop token; after a stop, they fail with Stopped.
 struct Decode {
     template <class AnyPicture>
     using To =

@@ -54,12 +54,13 @@ Result<NpyArray> read_npy(std::string_view file) {
     if (file.size() < kSizeBytes + size) return wrong("the NPY file ends within its header");
     const std::string_view header = file.substr(kSizeBytes, size);
     const auto shape = read_shape(value_of(header, "'shape': (", ")"));
-    if (!shape || header.find("'fortran_order': False") == std::string_view::npos)
+    if (!shape) return wrong("the header of the NPY file has no valid shape");
+    if (header.find("'fortran_order': False") == std::string_view::npos)
         return wrong("the NPY file must be an array in C order, not in Fortran order");
     const NpyArray array{value_of(header, "'descr': '", "'"), *shape, file.substr(kSizeBytes + size)};
     if (is_complete(array)) return array;
     return wrong("the NPY file has " + std::to_string(array.data.size()) +
-                 " bytes of data, which do not match its shape");
+                 " bytes of data, which do not match its type and shape");
 }
 
 }  // namespace ccdt::api

@@ -86,7 +86,7 @@ void write_mesh(std::span<const Point3> vertices, std::string_view name, std::sp
     body.text() += '}';
 }
 
-/// Writes placed points. The parameters are those of write_answer() for each kind of request.
+/// Writes placed points. The parameters are those of write_answer() for requests of each kind.
 template <class Request, class Placed>
 Result<Answer> write_in_space(const Request& request, const Placed& placed, const SpaceFormat<Placed>& format,
                               const Control& control, Timings& timings, BodySink* sink) {

@@ -11,9 +11,8 @@
 
 namespace ccdt::api {
 
-// Writers of mesh files. The functions write_*_mesh() write the triangulation of the
-// points, SurfaceDistribution::mesh, which must not be empty. All writers have the parameters and errors of
-// SpaceFormat::Write.
+// Writers of mesh files. The functions write_*_mesh() write the triangulation of the points,
+// SurfaceDistribution::mesh, which must not be empty. All writers have the parameters and errors of SpaceFormat::Write.
 
 /// Returns the beginning of a binary PLY file, before the properties of vertices.
 std::string ply_header(std::size_t vertices);

@@ -13,6 +13,7 @@
 #include "api/input/point_reader.h"
 #include "api/input/run_options.h"
 #include "api/json/json_document.h"
+#include "api/sample/voxel_input.h"
 #include "api/text/text.h"
 #include "core/ccdt/ccdt.h"
 
@@ -31,6 +32,7 @@ Result<void> read_density(const Input& input, SurfaceRequest& request) {
                                                             {"curvature", SurfaceDensityKind::Curvature}};
     const auto text = read_text(input);
     if (!text) return tl::unexpected(text.error());
+    if (is_voxel_file(*text)) return malformed(input, "is a file of voxels, which needs domain=solid");
     if (!trim(*text, " \t\r\n").starts_with('['))
         return assign(request.density, read_choice<SurfaceDensityKind>(input, kWords).map_error([](Error error) {
             error.message += ", or a list in JSON with a number for each vertex";

@@ -16,8 +16,8 @@
 namespace ccdt::api {
 
 /// Format of a threshold mask: a tile of grey values in which all values are equally frequent. For any threshold, the
-/// pixels below it are spread evenly. A mask may have frames. In a PNG file, they are below each other; in a NumPy
-/// file, they are the first axis.
+/// pixels below it are spread evenly. A mask may have frames. In a PNG file, they are stacked from top to bottom; in a
+/// NumPy file, they are the first axis.
 struct MaskFormat {
     FileFormat file;
     int bits;               ///< bits of each grey value

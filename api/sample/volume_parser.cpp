@@ -76,7 +76,7 @@ Result<void> settle_domain(Draft& draft) {
     const auto& [width, height, depth] = draft.sides;
     const bool any_side = width > 0 || height > 0 || depth > 0;
     if (any_side && (draft.is_object || request.solid))
-        return wrong("domain", "must be box or torus if width, height or depth is given");
+        return wrong("domain", "must be the word box or torus if width, height or depth is an option");
     if (request.solid.has_value() != (draft.word == DomainWord::Solid))
         return wrong("domain", "must be solid for a mesh, and cannot be solid without a mesh");
     if (draft.is_object || request.solid) return {};

@@ -37,7 +37,7 @@ struct VolumeRequest {
 /// Returns the names of the options.
 std::vector<std::string_view> volume_options();
 
-/// Whether a JSON body requests points in space: its domain is a box, or has a depth. Masks with a depth are no points.
+/// Whether a JSON body requests points in space: its domain is a box, or has a depth. A mask with a depth does not.
 bool asks_for_volume(JsonValue root);
 
 /// Whether options beside a mesh request points inside it instead of points on its surface.

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "api/image/image_codec.h"
+#include "api/decode/decode.h"
 #include "api/output/body.h"
 #include "api/run/options.h"
 #include "api/sample/volume_formats.h"

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -48,10 +49,13 @@ Result<VoxelFile> open_npy(std::string_view bytes) {
     const auto array = read_npy(bytes);
     if (!array) return tl::unexpected(array.error());
     const auto& shape = array->shape;
-    if (shape.size() != 3 || std::ranges::min(shape) == 0)
+    if (shape.size() != 3 || std::ranges::min(shape) == 0) {
+        std::string sides;
+        for (const std::size_t side : shape) sides += (sides.empty() ? "" : ", ") + std::to_string(side);
         return failure(ErrorCode::Malformed,
-                       "the NPY file must be an array with the axes depth, height and width, not " +
-                           std::to_string(shape.size()) + " axes, and each must be at least 1");
+                       "the NPY file must be an array of the shape (depth, height, width), each at least 1, not (" +
+                           excerpt(sides) + ")");
+    }
     if (find_type(array->type) == nullptr)
         return failure(ErrorCode::Malformed,
                        "the NPY file must have little-endian integers or floats of 1 to 8 bytes, not the type '" +
@@ -87,8 +91,9 @@ bool is_voxel_file(std::string_view bytes) {
 Result<VoxelFile> open_voxels(std::string_view bytes, const Limits& limits) {
     auto file = is_npy(bytes) ? open_npy(bytes) : open_tiff(bytes, limits);
     if (file && file->count() > static_cast<double>(limits.max_pixels))
-        return failure(ErrorCode::LimitExceeded, "there are more voxels than this server's limit (max-pixels), " +
-                                                     std::to_string(limits.max_pixels));
+        return failure(ErrorCode::LimitExceeded,
+                       "there are " + std::to_string(static_cast<std::uint64_t>(file->count())) +
+                           " voxels; this server's limit (max-pixels) is " + std::to_string(limits.max_pixels));
     return file;
 }
 
@@ -121,7 +126,7 @@ Result<VoxelDensity> make_density(const VoxelInput& input, const Decode& decode,
 }
 
 Estimate voxel_cost(const VoxelInput& input) {
-    // Bytes of a voxel: a double for its value, one for its sum of masses, and a bit. A TIFF has a float, too.
+    // Bytes of a voxel: a double for its value, one for its sum of masses, and a bit. A TIFF needs a float, too.
     constexpr Estimate kVoxel{17, 0.03 * kMicrosecond}, kOfTiff{4, 0.03 * kMicrosecond};
     if (const auto* grid = std::get_if<VoxelGrid>(&input)) return kVoxel * static_cast<double>(grid->values.size());
     const auto* file = std::get_if<VoxelFile>(&input);

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <variant>
 
-#include "api/image/image_codec.h"
+#include "api/decode/decode.h"
 #include "api/input/option_reader.h"
 #include "api/run/estimate.h"
 #include "api/run/options.h"

@@ -30,7 +30,8 @@ std::string_view take_word(std::string_view& line) {
     return word;
 }
 
-/// Beginning of a file: the prefixes of its keyword, which tell the contents of vertices, and two numbers.
+/// Beginning of a file: the prefixes of its keyword, which state the properties of vertices, and the numbers of
+/// vertices and faces.
 struct Header {
     bool has_texture = false;
     bool has_colours = false;

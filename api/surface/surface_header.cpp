@@ -66,7 +66,7 @@ std::uint64_t triangles_of(std::uint64_t corners, std::uint64_t polygons) {
 
 /// Returns the error of a file that is shorter than its header requires.
 tl::unexpected<Error> too_short(std::string_view format, std::uint64_t needed, std::uint64_t present) {
-    return unusable_surface(format, "its header promises at least " + std::to_string(needed) +
+    return unusable_surface(format, "its header announces at least " + std::to_string(needed) +
                                         " numbers or bytes, but the file has " + std::to_string(present));
 }
 

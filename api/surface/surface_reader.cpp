@@ -182,8 +182,11 @@ private:
     /// Adds the picture of a material to the soup, unless it is there already.
     Result<void> add_picture(const aiString& path, Material& material) {
         const auto fail = [&](const std::string& reason) {
-            return failure(ErrorCode::Unusable,
-                           "the texture " + std::string(path.C_Str()).substr(0, 100) + ' ' + reason);
+            const std::string name = std::string(path.C_Str()).substr(0, 100);  // '*' and a number if embedded
+            const bool is_embedded = name.starts_with('*');
+            return failure(
+                ErrorCode::Unusable,
+                (is_embedded ? "the embedded texture " + name.substr(1) : "the texture " + name) + ' ' + reason);
         };
         const aiTexture* const texture = path.C_Str()[0] == '*' ? scene_.GetEmbeddedTexture(path.C_Str()) : nullptr;
         if (texture == nullptr) return fail("is in another file; embed it, for example in a GLB");

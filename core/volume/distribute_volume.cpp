@@ -39,7 +39,8 @@ Result<VolumeDistribution> distribute_in_volume(const BoxDomain3& domain, const 
     const BoxDomain3 unit{{domain.sides.x / scale, domain.sides.y / scale, domain.sides.z / scale}, domain.periodic};
     const double spacing = std::cbrt(unit.volume() / static_cast<double>(options.sites + options.fixed.size()));
     if (!(spacing > 0) || std::min({unit.sides.x, unit.sides.y, unit.sides.z}) < kThinnest * spacing)
-        return failure(ErrorCode::Unusable, "a side is shorter than a quarter of the points' distance", "domain");
+        return failure(ErrorCode::Unusable, "a side is shorter than a quarter of the mean distance between points",
+                       "domain");
     std::vector<Point3> fixed;
     for (const Point3 p : options.fixed) fixed.push_back(unit.inside({p.x / scale, p.y / scale, p.z / scale}));
 

@@ -137,7 +137,7 @@ tl::unexpected<Error> describe(const NoReply& none, const std::string& what) {
     return failure(ErrorCode::Unavailable, "the decoder has ended, and was not restarted in time");
 }
 
-/// Returns a processor time in which a slow machine decodes pixels.
+/// Returns the processor time that a slow machine needs to decode pixels.
 std::chrono::seconds time_for(std::uint64_t pixels) {
     constexpr std::uint64_t kPixelsPerMillisecond = 2000;
     return std::chrono::ceil<std::chrono::seconds>(std::chrono::milliseconds(pixels / kPixelsPerMillisecond));

@@ -2,9 +2,11 @@
 #include "server/work/form.h"
 
 #include <algorithm>
+#include <string>
 #include <string_view>
 #include <utility>
 
+#include "api/sample/voxel_input.h"
 #include "api/surface/surface_header.h"
 #include "server/http/http.h"
 
@@ -12,8 +14,9 @@ namespace ccdt::server {
 namespace {
 
 constexpr std::string_view kFile = "file";  ///< name of the field that is the body at every endpoint
-/// Name of a field with voxels. If it is a file, it is the body of a form without the body kMap.
-constexpr std::string_view kDensity = "density", kMap = "map";
+constexpr std::string_view kMap = "map";
+/// Name of a field with voxels. If it is a file, it is the body of a form that has no field kMap or kFile.
+constexpr std::string_view kDensity = "density";
 
 bool is_form(const ComputeRequest& request) {
     return media_type(request.content_type) == "multipart/form-data";
@@ -34,8 +37,11 @@ Result<const FormPart*> find_body(const std::vector<FormPart>& fields, std::stri
     if (body != nullptr) return body;
     const auto is_density = [](const FormPart& field) { return field.name == kDensity && field.is_file; };
     const auto density = std::ranges::find_if(fields, is_density);
-    if (density == fields.end() || part != kMap)
+    if (part != kMap)
         return failure(ErrorCode::Malformed, "the form has no part `" + name + "` or `file` with the " + name, name);
+    if (density == fields.end())
+        return failure(ErrorCode::Malformed,
+                       "the form has no part `map`, `file` or `mesh`, and no part `density` with a file name", name);
     return &*density;
 }
 
@@ -49,7 +55,7 @@ Result<std::vector<FormPart>> find_fields(const ComputeRequest& request) {
         if (field.name != "mesh" || !field.is_file) continue;
         if (!api::recognise_surface(field.content(request.body)))
             return failure(ErrorCode::Unsupported,
-                           "the file is no mesh of a known format: STL, OBJ, PLY, OFF, glTF or GLB", field.name);
+                           "the file is not a mesh of a known format: STL, OBJ, PLY, OFF, glTF or GLB", field.name);
         field.name = kFile;
     }
     return *std::move(fields);
@@ -59,6 +65,9 @@ Result<void> take_apart(ComputeRequest& request, const std::vector<FormPart>& fi
     if (!is_form(request)) return {};
     const auto body = find_body(fields, part);
     if (!body) return tl::unexpected(body.error());
+    if ((*body)->name == kDensity && !api::is_voxel_file((*body)->content(request.body)))
+        return failure(ErrorCode::Unsupported, "the file does not have voxels in a known format: NPY or TIFF",
+                       std::string(kDensity));
     for (const FormPart& field : fields) {
         if (&field == *body) continue;
         if (!request.query.empty()) request.query += '&';

@@ -164,7 +164,7 @@ class Errors(VolumeCase):
                  (npy_of(VOXELS), "sites=5&fixed=%5B%5B9,0,0%5D%5D", 400, "fixed/0", "domain"),
                  (npy_of(VOXELS), "sites=9&width=1e9", 422, "domain", "quarter"),
                  (npy_of(numpy.ones((11, 10, 10))), "sites=5", 413, None, "max-pixels"),
-                 (npy_of(numpy.ones((2, 2))), "sites=5", 400, None, "axes"),
+                 (npy_of(numpy.ones((2, 2))), "sites=5", 400, None, "not (2, 2)"),
                  (npy_of(VOXELS.astype(">u2")), "sites=5", 400, None, "little-endian"),
                  (npy_of(VOXELS)[:-1], "sites=5", 400, None, "47 bytes"),
                  (colour.getvalue(), "sites=5", 422, "density", "grey"),

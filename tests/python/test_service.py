@@ -148,8 +148,11 @@ def test_voxels_are_those_of_the_service(server):
     box = {"type": "box", "width": 1, "height": 1, "depth": 1}
     expected = post_json(server, "/sample", {"sites": 100, "domain": box, "density": values}).json()["points"]
     assert ccdt.sample(ccdt.Box(), 100, density=VOXELS).tolist() == expected
-    with pytest.raises(ccdt.Error, match="density"):
-        ccdt.sample(ccdt.Box(), 100, density=-VOXELS)
+    for dtype in ("float16", ">f8", "longdouble", "uint8"):
+        assert ccdt.sample(ccdt.Box(), 100, density=VOXELS.astype(dtype)).tolist() == expected
+    for wrong in (-VOXELS, VOXELS[0], VOXELS.astype(complex), VOXELS.astype(object)):
+        with pytest.raises(ccdt.Error, match="density"):
+            ccdt.sample(ccdt.Box(), 100, density=wrong)
 
 
 def test_points_in_solids_are_inside():

@@ -182,8 +182,14 @@ def _voxel_file(density: Any) -> bytes:
     """Returns voxels as the bytes of a file."""
     if not isinstance(density, (np.ndarray, list, tuple)):
         return read_file(density, "density")
+    array: npt.NDArray[Any] = np.asarray(density)
+    if array.ndim != 3 or array.dtype.kind not in "biuf":
+        raise Error("density must be an array [depth, height, width] of numbers or booleans, not an array of the type "
+                    f"{array.dtype} with the shape {array.shape}", field="density")
+    if array.dtype.kind == "f" and array.dtype.itemsize not in (4, 8):
+        array = array.astype(np.float64)
     file = io.BytesIO()
-    np.save(file, np.ascontiguousarray(density))
+    np.save(file, np.ascontiguousarray(array, array.dtype.newbyteorder("<")))
     return file.getvalue()
 
 

@@ -177,7 +177,7 @@ class Client:
         Args:
             domain: as for :func:`ccdt.sample`: corners of a polygon, GeoJSON, an object with ``__geo_interface__``,
                 a torus, a rectangle, a box, a solid or a raster of pixels, or the file of a mesh. A :class:`ccdt.Mesh` is
-                not accepted. In space, a density is a JSON object of ``POST /sample``.
+                not accepted. In space, a density is a dict, like the member of ``POST /sample``.
             sites: exact number of points.
             progress: as for :meth:`halftone`.
             **options: members of the body of ``POST /sample``, such as ``format="csv"``; for a mesh, its options.

@@ -44,13 +44,13 @@ std::string animated(const std::string& depth, const std::string& side = "16") {
     return R"("domain":{"type":"torus","width":)" + side + R"(,"height":)" + side + R"(,"depth":)" + depth + '}';
 }
 
-TEST(Mask, HasItsFramesBelowEachOther) {
+TEST(Mask, StacksFramesInAPng) {
     const auto made = answer(*parse(animated("3"), "mask"));
     ASSERT_TRUE(made) << made.error().message;
     EXPECT_EQ(made->body.substr(16, 8), std::string("\0\0\0\x10\0\0\0\x30", 8));
 }
 
-TEST(Mask, IsAnArrayOfFrames) {
+TEST(Mask, WritesFramesAsAnArray) {
     const auto made = answer(*parse(animated("3"), "masknpy"));
     ASSERT_TRUE(made) << made.error().message;
     EXPECT_EQ(made->media_type, "application/x-npy");

@@ -198,7 +198,7 @@ TEST(VolumeSample, SortsPointsByRankInAProgressiveOrder) {
     EXPECT_NEAR(volume_of(points_of(ordered.at("mesh").at("vertices")), ordered.at("mesh").at("tetrahedra")), 2, 1e-9);
 }
 
-TEST(VolumeSample, RefusesToSpreadATinyTorusInSpace) {
+TEST(VolumeSample, RefusesToUnwrapATorusWithTooFewPoints) {
     const std::string request = "{\"sites\":2,\"mesh\":true," + kTorus;
     EXPECT_TRUE(answer(request + '}'));
     const auto refused = answer(request + R"(,"format":"vtu"})");
@@ -301,12 +301,15 @@ TEST(VolumeSample, NamesTheFieldOfErrors) {
         EXPECT_EQ(result.error().code, code) << result.error().message;
         EXPECT_EQ(result.error().field, field) << result.error().message;
     }
+    const auto surface = answer(cube_file(), {{"sites", "9"}, {"density", voxels}});
+    ASSERT_FALSE(surface);
+    EXPECT_NE(surface.error().message.find("needs domain=solid"), std::string::npos) << surface.error().message;
     const auto many = answer(voxels, sites, {}, {.max_pixels = 1});
     ASSERT_FALSE(many);
     EXPECT_EQ(many.error().code, ErrorCode::LimitExceeded);
 }
 
-TEST(VolumeSample, SpreadsPointsAtTheEndsOfTheirRanges) {
+TEST(VolumeSample, AcceptsExtremeSidesAndFewSites) {
     for (const auto* side : {"1e-308", "5e-324", "1e308"}) {
         const std::string sides = R"("width":)" + std::string(side) + R"(,"height":)" + side + R"(,"depth":)" + side;
         for (const auto* type : {"box", "torus"}) {

@@ -111,15 +111,15 @@ TEST(SurfaceHeader, RefusesCountsThatTheFileCannotHold) {
     std::string stl = binary_stl(std::vector<float>(9));
     stl.resize(stl.size() - 1);
     EXPECT_EQ(read_surface_header(stl, SurfaceFormat::StlBinary, kMaxFaces).error().message,
-              "STL file cannot be read: its header promises at least 134 numbers or bytes, but the file has 133");
+              "STL file cannot be read: its header announces at least 134 numbers or bytes, but the file has 133");
     EXPECT_FALSE(read_surface_header("", SurfaceFormat::StlBinary, kMaxFaces));
     expect_refused(ply_with("element vertex 4294967295\nproperty float x\nelement face 4294967295\n"
                             "property list uchar int vertex_indices\n",
                             "0 0 0\n"),
-                   "promises at least 8589934590 numbers or bytes, but the file has 3");
+                   "announces at least 8589934590 numbers or bytes, but the file has 3");
     expect_refused(ply_with("element vertex 4294967296\n"), "its header lacks a number of elements below 4294967296");
     expect_refused("ply\nformat ascii 1.0\n", "its header has no end");
-    expect_refused("OFF 4294967295 4294967295 0\n0 0 0\n", "promises at least 17179869180 numbers");
+    expect_refused("OFF 4294967295 4294967295 0\n0 0 0\n", "announces at least 17179869180 numbers");
     expect_refused("OFF\nBINARY\n", "does not begin with OFF and the numbers");
     expect_refused("OFF", "does not begin with OFF and the numbers");
 }

@@ -258,7 +258,7 @@ TEST(SurfaceReader, DecodesPicturesLikeOtherImages) {
     for (std::size_t i = 0; i < reds.size(); ++i) ASSERT_EQ(reds[i], to_srgb(static_cast<double>(picture.red[i]))) << i;
 }
 
-TEST(SurfaceReader, ReadsTheRestOfAMaterial) {
+TEST(SurfaceReader, ReadsFactorsAndTransformsOfMaterials) {
     // Wrapping modes, a quarter turn, and a factor.
     const auto contents = read(textured_glb(
         grey_png({0, 64, 128, 255}, 2), R"("wrapS":33071,"wrapT":33648)",
@@ -290,10 +290,11 @@ TEST(SurfaceReader, ReportsPicturesThatCannotBeRead) {
     };
     const std::string png = grey_png({0, 64, 128, 255}, 2);
     EXPECT_EQ(error(textured_glb(png.substr(0, png.size() - 20))),
-              "the texture *0 cannot be read: the image is broken or truncated");
-    EXPECT_EQ(error(textured_glb("no picture")).substr(0, 31), "the texture *0 cannot be read: ");
-    EXPECT_EQ(error(textured_glb(png), 3),
-              "the texture *0 cannot be read: the image has 2 x 2 pixels; this server's limit (max-pixels) is 3");
+              "the embedded texture 0 cannot be read: the image is broken or truncated");
+    EXPECT_EQ(error(textured_glb("no picture")).substr(0, 39), "the embedded texture 0 cannot be read: ");
+    EXPECT_EQ(
+        error(textured_glb(png), 3),
+        "the embedded texture 0 cannot be read: the image has 2 x 2 pixels; this server's limit (max-pixels) is 3");
     EXPECT_EQ(error(glb(textured_gltf(R"("uri":"wood%20planks.png")"), square_buffer() + std::string(32, '\0'))),
               "the texture wood%20planks.png is in another file; embed it, for example in a GLB");
 }

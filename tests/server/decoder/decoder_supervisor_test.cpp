@@ -779,7 +779,7 @@ TEST(DecoderSupervisor, ReadsOrRefusesTheModelsOfAssimp) {
     // Reasons for which files of the package may be refused.
     constexpr auto kReasons = std::to_array<std::string_view>(
         {"not recognised", "its data is in another file", "only version 2 is supported", "only glTF 2 is supported",
-         "it has no triangles", "promises at least", "does not begin with OFF and the numbers", "Invalid face index",
+         "it has no triangles", "announces at least", "does not begin with OFF and the numbers", "Invalid face index",
          "TEXCOORD_1", "is in another file", "not valid JSON", "faces are damaged"});
     std::size_t read = 0;
     for (const auto& path : mesh_files(folder)) {

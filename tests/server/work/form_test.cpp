@@ -47,9 +47,21 @@ TEST(Form, NamesTheFormatsOfMeshes) {
         "--b\r\nContent-Disposition: form-data; name=\"mesh\"; filename=\"a.fbx\"\r\n\r\nKaydara\r\n--b--\r\n";
     const auto fields = find_fields(request);
     ASSERT_FALSE(fields);
-    EXPECT_EQ(fields.error().message, "the file is no mesh of a known format: STL, OBJ, PLY, OFF, glTF or GLB");
+    EXPECT_EQ(fields.error().message, "the file is not a mesh of a known format: STL, OBJ, PLY, OFF, glTF or GLB");
     request.body.replace(request.body.find("Kaydara"), 7, "v 0 0 0\n");
     EXPECT_TRUE(find_fields(request));
+}
+
+TEST(Form, NamesTheFormatsOfVoxels) {
+    ComputeRequest request{"/sample", "", "multipart/form-data; boundary=b", "", {}};
+    request.body =
+        "--b\r\nContent-Disposition: form-data; name=\"density\"; filename=\"a.raw\"\r\n\r\n123\r\n--b--\r\n";
+    const auto refused = taken_apart(request, "map");
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().message, "the file does not have voxels in a known format: NPY or TIFF");
+    EXPECT_EQ(refused.error().field, "density");
+    request.body.replace(request.body.find("123"), 3, "\x93NUMPY");
+    EXPECT_EQ(taken_apart(request, "map")->body, "\x93NUMPY");
 }
 
 TEST(Form, AppendsFieldsWithAnyContentToTheQuery) {
