@@ -245,6 +245,10 @@ double read_ply_number(std::string_view vertex, const PlyProperty& property, boo
     return property.size == sizeof(wide) ? wide : narrow;
 }
 
+bool is_ply(std::string_view file) {
+    return file.starts_with("ply\n") || file.starts_with("ply\r\n");
+}
+
 /// Reads the vertices of a PLY.
 template <class P>
 Result<std::vector<P>> read_ply(std::string_view file, const Limits& limits) {
@@ -270,7 +274,7 @@ template <class P>
 Result<std::vector<P>> read_file(std::string_view file, const Limits& limits) {
     file = without_byte_order_mark(file);
     if (is_npy(file)) return read_array<P>(file, limits);
-    if (file.starts_with("ply\n") || file.starts_with("ply\r\n")) return read_ply<P>(file, limits);
+    if (is_ply(file)) return read_ply<P>(file, limits);
     const auto start = trim(file, " \t\r\n");
     return start.starts_with('{') || start.starts_with('[') ? read_json<P>(file, limits) : read_csv<P>(file, limits);
 }
@@ -283,6 +287,14 @@ Result<std::vector<Point>> read_point_file(std::string_view file, const Limits& 
 
 Result<std::vector<Point3>> read_space_point_file(std::string_view file, const Limits& limits) {
     return read_file<Point3>(file, limits);
+}
+
+bool is_space_point_file(std::string_view file) {
+    file = without_byte_order_mark(file);
+    if (is_ply(file)) return true;
+    if (is_npy(file) || trim(file, " \t\r\n").starts_with('{') || trim(file, " \t\r\n").starts_with('[')) return false;
+    CsvReader reader(file);
+    return reader.next() && std::ranges::find(reader.fields(), "z") != reader.fields().end();
 }
 
 }  // namespace ccdt::api

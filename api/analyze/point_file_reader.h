@@ -31,4 +31,8 @@ Result<std::vector<Point>> read_point_file(std::string_view file, const Limits& 
 /// or the member `points` of an object; GeoJSON is not accepted.
 Result<std::vector<Point3>> read_space_point_file(std::string_view file, const Limits& limits);
 
+/// Whether a file holds points in space by its format: a PLY, or a CSV with the column `z`. An NPY or JSON may hold
+/// either.
+bool is_space_point_file(std::string_view file);
+
 }  // namespace ccdt::api

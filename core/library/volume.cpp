@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -60,7 +61,9 @@ struct Distributor {
         return in_box({{torus.width, torus.height, torus.depth}, true});
     }
     ccdt::VolumeDistribution operator()(const Solid& given) const {
-        auto surface = value_of(ccdt::Surface::create(soup_of(given), std::nullopt, execution.control().stop)).surface;
+        // The crease angle of the service.
+        constexpr double kCrease = std::numbers::pi / 4;
+        auto surface = value_of(ccdt::Surface::create(soup_of(given), kCrease, execution.control().stop)).surface;
         const auto solid = value_of(ccdt::Solid::create(std::move(surface)));
         auto placed = value_of(ccdt::distribute_in_solid(solid, density, options, execution.control()));
         return ordered(std::move(placed), solid.bounds(), false, std::min(1.0, solid.share()));

@@ -34,7 +34,7 @@ TetrahedronMesh torus_mesh(const BoxDomain3& domain, const VolumeSpacing& spacin
         double narrowest = domain.sides.x + domain.sides.y + domain.sides.z;
         for (std::uint32_t i = 0; i < count; ++i) {
             numbers[i] = i;
-            const double reach = std::min(rim * spacing.side(points[i]), 2 * diagonal);
+            const double reach = std::min(rim * spacing.side(points[i]), diagonal);
             narrowest = std::min(narrowest, reach);
             domain.for_copies(points[i], reach, [&](Point3 copy, bool is_original) {
                 if (is_original) return;

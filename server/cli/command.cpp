@@ -72,8 +72,9 @@ const std::array kCommands = {
     Command{
         "analyze", "measure how evenly points are spread", "[POINTS...] [OPTION]...",
         "POINTS is a CSV file with the columns x and y, an NPY file with an array of at least two columns, a PLY, a "
-        "JSON list of positions, GeoJSON, or a JSON answer of ccdt sample or ccdt halftone. If --domain has a depth, "
-        "the points are in space, with a third coordinate, z. Without POINTS, --sets gives sets of points.",
+        "JSON list of positions, GeoJSON, or a JSON answer of ccdt sample or ccdt halftone. The "
+        "points are in space, with a third coordinate, z, if --domain has a depth or, without --domain, in a PLY and "
+        "in a CSV with the column z. Without POINTS, --sets gives sets of points.",
         kAnalyzeExamples, kAnalyzeSchemas, [] { return api::files_of(api::analyze_formats()); }},
 };
 

@@ -83,10 +83,10 @@ std::string list_of(const std::vector<P>& points) {
     return text += ']';
 }
 
-/// Whether the option `domain` is a domain in space, which has a depth.
-bool is_in_space(const Arguments& arguments) {
+/// Whether the option `domain` is a domain in space, which has a depth. Without this option, the file decides.
+bool is_in_space(const Arguments& arguments, std::string_view file) {
     const std::string* const domain = arguments.find("domain");
-    if (domain == nullptr) return false;
+    if (domain == nullptr) return api::is_space_point_file(file);
     const auto parsed = api::JsonDocument::parse(*domain);
     return parsed && parsed->root().is_object() && parsed->root().find("depth");
 }
@@ -106,7 +106,7 @@ Result<std::string> build_sample_body(const Arguments& arguments, const std::str
 Result<std::string> build_analyze_body(const Arguments& arguments, const std::string* file) {
     if (file == nullptr) return build_object("{", arguments);
     const auto build = [&](const auto& points) { return build_object(R"({"points":)" + list_of(points), arguments); };
-    if (is_in_space(arguments)) return api::read_space_point_file(*file, arguments.limits).and_then(build);
+    if (is_in_space(arguments, *file)) return api::read_space_point_file(*file, arguments.limits).and_then(build);
     return api::read_point_file(*file, arguments.limits).and_then(build);
 }
 

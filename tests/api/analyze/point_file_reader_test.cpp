@@ -81,6 +81,14 @@ TEST(PointFileReader, ReadsTheVerticesOfAPly) {
     EXPECT_EQ(read_space_point_file(binary, {.max_sites = 1}).error().code, ErrorCode::LimitExceeded);
 }
 
+TEST(PointFileReader, TellsPointsInSpaceByThePlyOrTheColumnZ) {
+    EXPECT_TRUE(is_space_point_file("ply\nformat ascii 1.0\n"));
+    EXPECT_TRUE(is_space_point_file("x,y,z\r\n1,2,3\r\n"));
+    EXPECT_FALSE(is_space_point_file("x,y,radius\n1,2,3\n"));
+    EXPECT_FALSE(is_space_point_file("[[1,2,3]]"));
+    EXPECT_FALSE(is_space_point_file(""));
+}
+
 TEST(PointFileReader, RefusesPointsInSpaceWithoutAThirdCoordinate) {
     const auto message_of = [](const std::string& file) { return read_space_point_file(file, {}).error().message; };
     EXPECT_NE(message_of("x,y\n1,2\n").find("x, y and z"), std::string::npos);
