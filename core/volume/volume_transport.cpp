@@ -18,7 +18,7 @@ constexpr double kLimit = 0.55;
 /// Cells per spacing: four cells per cycle of the highest frequency or, if the grid must be precise, nearly six. See
 /// WaveGrid for the errors.
 constexpr double kCellsPerSpacing = 2.2, kPreciseCells = 3.2;
-constexpr double kMaxMove = 0.25;     ///< longest move, in spacings
+constexpr double kMaxMove = 0.25;    ///< longest move, in spacings
 constexpr std::size_t kSites = 512;  ///< sites per task
 constexpr std::size_t kMaxOctaves = 5;
 /// Largest density that octave 0 resolves, relative to the mean density.
