@@ -83,7 +83,7 @@ void BasicCellList<P>::divide(P min, P max, std::uint32_t begin, std::uint32_t e
     const double side = cell_side(sides, count);
     const auto axis = [&](double origin, double length) -> Axis {
         if (!(length > 0)) return {};
-        const int cells = std::max(1, static_cast<int>(std::min(length / side, count)));
+        const int cells = std::max(1, static_cast<int>(length < count * side ? length / side : count));
         return {origin, cells / length, cells};
     };
     const Grid grid{axis(min.x, sides.x), axis(min.y, sides.y), axis(height(min), height(sides)), cells_.size()};
