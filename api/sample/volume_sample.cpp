@@ -2,7 +2,6 @@
 #include "api/sample/volume_sample.h"
 
 #include <algorithm>
-#include <numbers>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -23,8 +22,7 @@ Result<Solid> make_solid(const SurfaceFile& file, const Decode& decode, const st
                          PlacedVolume& placed) {
     const auto read = decode.surface(file.bytes, file.header, stop);
     if (!read) return tl::unexpected(read.error());
-    constexpr double kCrease = std::numbers::pi / 4;  // tetrahedra have edges along creases
-    auto made = Surface::create(read->soup, kCrease, stop);
+    auto made = Surface::create(read->soup, Solid::kCrease, stop);
     if (!made) return tl::unexpected(made.error());
     placed.repairs = std::move(made->repairs);
     placed.warnings = std::move(made->warnings);

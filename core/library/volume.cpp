@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <utility>
 
@@ -61,9 +60,8 @@ struct Distributor {
         return in_box({{torus.width, torus.height, torus.depth}, true});
     }
     ccdt::VolumeDistribution operator()(const Solid& given) const {
-        // The crease angle of the service.
-        constexpr double kCrease = std::numbers::pi / 4;
-        auto surface = value_of(ccdt::Surface::create(soup_of(given), kCrease, execution.control().stop)).surface;
+        auto surface =
+            value_of(ccdt::Surface::create(soup_of(given), ccdt::Solid::kCrease, execution.control().stop)).surface;
         const auto solid = value_of(ccdt::Solid::create(std::move(surface)));
         auto placed = value_of(ccdt::distribute_in_solid(solid, density, options, execution.control()));
         return ordered(std::move(placed), solid.bounds(), false, std::min(1.0, solid.share()));

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <numbers>
 #include <vector>
 
 #include "core/geometry/point3.h"
@@ -19,6 +20,9 @@ namespace ccdt {
 /// with the opposite orientation.
 class Solid {
 public:
+    /// Crease angle for Surface::create() with which tetrahedra get edges along creases, in radians.
+    static constexpr double kCrease = std::numbers::pi / 4;
+
     /// Makes a solid. O(faces), and a constant time for measuring the volume.
     /// @param surface  with any creases
     ///
