@@ -13,8 +13,7 @@ namespace ccdt {
 
 namespace {
 
-constexpr double kFirstLayer = 0.75;  ///< thickness of the first layer, in spacings
-constexpr double kNearest = 0.5;      ///< least distance of vertices on the surface from each other, in spacings
+constexpr double kNearest = 0.5;  ///< least distance of vertices on the surface from each other, in spacings
 /// Tetrahedra with all corners on the surface are left out if six times their volume is less than this share of the
 /// cube of the longest edge at their first corner.
 constexpr double kFlattest = 0.05;

@@ -14,4 +14,7 @@ struct TetrahedronMesh {
     std::vector<Tetrahedron> tetrahedra;
 };
 
+/// Thickness of the first layer of points off a border, in spacings. Its points get further vertices on the border.
+inline constexpr double kFirstLayer = 0.75;
+
 }  // namespace ccdt

@@ -13,9 +13,8 @@ namespace ccdt {
 
 namespace {
 
-constexpr double kFirstLayer = 0.75;  ///< thickness of the first layer, in spacings
-constexpr double kNarrowest = 6;      ///< least side of a torus whose tetrahedra are improved, in spacings
-constexpr double kRim = 2;            ///< initial width of the rim of periodic copies, in spacings
+constexpr double kNarrowest = 6;  ///< least side of a torus whose tetrahedra are improved, in spacings
+constexpr double kRim = 2;        ///< initial width of the rim of periodic copies, in spacings
 
 double circumradius(Point3 a, Point3 b, Point3 c, Point3 d) {
     const Point3 u = b - a, v = c - a, w = d - a;
