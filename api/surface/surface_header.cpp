@@ -11,6 +11,7 @@
 #include "api/image/embedded_image.h"
 #include "api/image/image_header.h"
 #include "api/json/json_document.h"
+#include "api/surface/obj.h"
 #include "api/surface/off.h"
 #include "api/surface/surface_errors.h"
 #include "api/text/byte_order_mark.h"
@@ -95,7 +96,7 @@ constexpr auto kObjStatements =
 
 bool is_obj(std::string_view text) {
     while (!text.empty()) {
-        const std::string_view line = trim(take_until(text, "\n"), kBlanks);
+        const std::string_view line = trim(take_obj_line(text), kBlanks);
         if (line.empty() || line.starts_with('#')) continue;
         return std::ranges::find(kObjStatements, line.substr(0, line.find_first_of(kBlanks))) != kObjStatements.end();
     }
@@ -105,12 +106,12 @@ bool is_obj(std::string_view text) {
 Bounds bounds_of_obj(std::string_view text) {
     Bounds bounds;
     while (!text.empty()) {
-        std::string_view line = trim(take_until(text, "\n"), kBlanks);
+        std::string_view line = trim(take_obj_line(text), kBlanks);
         const std::string_view statement = take_word(line);
         if (statement != "f" && statement != "l" && statement != "p") continue;
         std::uint64_t corners = count_words(line);
         while (line.ends_with('\\') && !text.empty()) {  // the statement continues on the next line
-            line = trim(take_until(text, "\n"), kBlanks);
+            line = trim(take_obj_line(text), kBlanks);
             corners += count_words(line);
         }
         bounds.vertices += 2 * corners;  // the library makes segments of a line, so most corners become two vertices

@@ -22,6 +22,7 @@
 #include <assimp/Importer.hpp>
 
 #include "api/image/srgb.h"
+#include "api/surface/obj.h"
 #include "api/surface/off.h"
 #include "api/surface/surface_errors.h"
 #include "api/text/text.h"
@@ -80,13 +81,11 @@ void keep_reader(Assimp::Importer& importer, SurfaceFormat format) {
 std::string without_groups(std::string_view bytes) {
     constexpr auto kGroups = std::to_array<std::string_view>({"o", "g", "s", "mg", "usemtl", "mtllib"});
     std::string text(bytes);
-    for (std::size_t begin = 0; begin < text.size();) {
-        const std::size_t end = std::min(text.find('\n', begin), text.size());
-        std::string_view line = trim(std::string_view(text).substr(begin, end - begin), " \t\r");
-        const auto at = static_cast<std::size_t>(line.data() - text.data());
+    for (std::string_view rest = text; !rest.empty();) {
+        const std::string_view line = trim(take_obj_line(rest));
         const std::string_view statement = line.substr(0, line.find_first_of(" \t"));
-        if (std::ranges::find(kGroups, statement) != kGroups.end()) text[at] = '#';
-        begin = end + 1;
+        if (std::ranges::find(kGroups, statement) != kGroups.end())
+            text[static_cast<std::size_t>(line.data() - text.data())] = '#';
     }
     return text;
 }

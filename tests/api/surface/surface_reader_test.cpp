@@ -107,14 +107,19 @@ TEST(SurfaceReader, SurvivesTruncationAtEveryByte) {
 }
 
 TEST(SurfaceReader, KeepsTheOrderOfFacesInGroupsAndMaterials) {
-    const auto contents = read(
+    const std::string file =
         "mtllib /etc/passwd\no a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl red\nf 1 2 3\no b\n  usemtl blue\nf 1 3 "
         "4\n"
-        "o a\nusemtl red\nf 1 4 2\ng x y\ns 1\nf 2 3 4\n");
-    ASSERT_TRUE(contents) << contents.error().message;
+        "o a\nusemtl red\nf 1 4 2\ng x y\ns 1\nf 2 3 4\n";
     const std::vector<Point3> v{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    EXPECT_EQ(corners_of(contents->soup),
-              (std::vector{v[0], v[1], v[2], v[0], v[2], v[3], v[0], v[3], v[1], v[1], v[2], v[3]}));
+    for (const std::string_view end : {"\n", "\r\n", "\r", "\f", std::string_view("\0", 1)}) {
+        std::string text;
+        for (const char c : file) c == '\n' ? text += end : text += c;
+        const auto contents = read(text);
+        ASSERT_TRUE(contents) << contents.error().message;
+        EXPECT_EQ(corners_of(contents->soup),
+                  (std::vector{v[0], v[1], v[2], v[0], v[2], v[3], v[0], v[3], v[1], v[1], v[2], v[3]}));
+    }
 }
 
 TEST(SurfaceReader, JoinsTheSolidsOfAnStl) {
