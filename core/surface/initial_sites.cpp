@@ -45,6 +45,7 @@ public:
 
     /// Appends `count` points in a face.
     void draw(std::uint32_t face, std::size_t count, std::vector<SurfacePoint>& points) const {
+        if (count == 0) return;
         // The additive recurrence of the plastic number: Roberts 2018, "The unreasonable effectiveness of
         // quasirandom sequences".
         constexpr double kFirst = 0.7548776662466927, kSecond = 0.5698402909980532;
