@@ -153,10 +153,6 @@ Result<void> write_glb(int mode, std::size_t vertices, Place place, std::vector<
 
 }  // namespace
 
-std::string ply_header(std::size_t vertices) {
-    return "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(vertices) + "\n";
-}
-
 Result<void> write_ply_mesh(const PlacedSurface& placed, Body& body, const std::stop_token& stop) {
     const SurfaceMesh& mesh = *placed.dots.mesh;
     std::string& out = body.text();

@@ -1,21 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstddef>
 #include <stop_token>
-#include <string>
 
 #include "api/output/body.h"
-#include "api/sample/placed_surface.h"
+#include "api/sample/surface_formats.h"
 #include "core/result.h"
 
 namespace ccdt::api {
 
 // Writers of mesh files. The functions write_*_mesh() write the triangulation of the points,
 // SurfaceDistribution::mesh, which must not be empty. All writers have the parameters and errors of SpaceFormat::Write.
-
-/// Returns the beginning of a binary PLY file, before the properties of vertices.
-std::string ply_header(std::size_t vertices);
 
 Result<void> write_ply_mesh(const PlacedSurface& placed, Body& body, const std::stop_token& stop);
 
