@@ -234,7 +234,7 @@ def sample(domain: Any, sites: Any = None, *, density: Any = None, seed: int = 0
         threads: number of threads; by default all processors. Results do not depend on it.
         progress: function that receives the completed share of the work, 0 to 1.
         **options: see api/README.md: ``holes``, ``fixed``, ``avoid``, ``buffer``, ``coordinates``, ``quality``,
-            ``order``, ``mesh``, ``method`` and others; for a surface also ``crease``. Options that are None are left
+            ``order``, ``mesh``, ``method`` and others; for a mesh also ``crease``. Options that are None are left
             out.
 
     Returns:
