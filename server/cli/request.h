@@ -33,7 +33,7 @@ Result<ApiRequest> build_request(const Command& command, const Arguments& argume
 Result<api::ParsedPointer> parse_request(const Command& command, const ApiRequest& request, const api::Limits& limits);
 
 /// Replaces each value `@FILE` of an option that takes JSON by the content of the file. A file that is not JSON becomes
-/// an object with the member `image`, in base64.
+/// an object with the member `image`, in base64. Also replaces the file of the mesh on which points are analysed.
 /// Errors: those of read_file(), with the member as Error::field and the name of the file in the message.
 Result<void> read_value_files(Arguments& arguments);
 
