@@ -250,6 +250,18 @@ test("sends the options of surfaces, and no others", async () => {
   assert.ok(await page.locator("#sample [data-name=crease]").isHidden());
 });
 
+test("places points inside a mesh", async () => {
+  await open(world.page, "&domain=solid&crease=30&sites=300");
+  const { page } = world;
+  assert.match(await page.textContent("#sample .status"), /^300 points, [\d.]+ s/);
+  assert.deepEqual(Object.fromEntries(await query()), { sites: "300", domain: "solid", crease: "30" });
+  assert.ok(await page.isHidden("#sample form.of-surfaces [data-name=density]"));
+  assert.ok(await page.isDisabled("#iteration"));
+  await looksAsKept(world, frame(), "solid");
+  await page.click("#tab-analyze");
+  await settled(page, "analyze", "failed");
+});
+
 test("restores its settings from the address", async () => {
   await open(world.page, "&density=color&crease=30&sites=500&mesh=on");
   assert.deepEqual(Object.fromEntries(await query()), { sites: "500", density: "color", crease: "30", iterations: "10", mesh: "true" });
