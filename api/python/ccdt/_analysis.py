@@ -19,7 +19,16 @@ from .errors import Error
 Floats = npt.NDArray[np.float64]
 
 
-class Analysis(Drawing):
+class _Measures:
+    def __init__(self, answer: Dict[str, Any]) -> None:
+        self.frequency: Floats = np.array(answer["frequency"], dtype=np.float64)
+        self.power: Floats = np.array(answer["power"], dtype=np.float64)
+        self.low_frequency_power: Optional[float] = answer["low_frequency_power"]
+        self.min_distance: float = answer["min_distance"]
+        self.mean_distance: float = answer["mean_distance"]
+
+
+class Analysis(_Measures, Drawing):
     """Spectrum and spacing of points. Frequencies are in units of sqrt(points / area) or cbrt(points / volume).
 
     Attributes:
@@ -36,13 +45,9 @@ class Analysis(Drawing):
     """
 
     def __init__(self, members: Dict[str, str], answer: Dict[str, Any]) -> None:
+        super().__init__(answer)
         self._members = members
-        self.frequency: Floats = np.array(answer["frequency"], dtype=np.float64)
-        self.power: Floats = np.array(answer["power"], dtype=np.float64)
         self.anisotropy_db: Floats = np.array(answer["anisotropy_db"], dtype=np.float64)
-        self.low_frequency_power: Optional[float] = answer["low_frequency_power"]
-        self.min_distance: float = answer["min_distance"]
-        self.mean_distance: float = answer["mean_distance"]
         self.sets: int = answer["sets"]
         spectrum = answer.get("spectrum")
         self.spectrum: Optional[Floats] = None
@@ -62,7 +67,7 @@ def _answer(members: Dict[str, str], threads: Optional[int], progress: Any) -> _
     return _core.answer_analyze(body, running(threads, progress))
 
 
-class SurfaceAnalysis:
+class SurfaceAnalysis(_Measures):
     """Spectrum and spacing of points on a surface. Frequencies are in units of sqrt(points / area).
 
     Attributes:
@@ -74,12 +79,8 @@ class SurfaceAnalysis:
     """
 
     def __init__(self, answer: Dict[str, Any]) -> None:
+        super().__init__(answer)
         self.eigenvalues: Floats = np.array(answer["eigenvalues"], dtype=np.float64)
-        self.frequency: Floats = np.array(answer["frequency"], dtype=np.float64)
-        self.power: Floats = np.array(answer["power"], dtype=np.float64)
-        self.low_frequency_power: Optional[float] = answer["low_frequency_power"]
-        self.min_distance: float = answer["min_distance"]
-        self.mean_distance: float = answer["mean_distance"]
 
 
 @overload
