@@ -335,5 +335,9 @@ def test_analyze_takes_sets_and_refuses_others():
         ccdt.analyze([[0, 0], [2, 0]])
     with raises("points", r"\[n, 3\]"):
         ccdt.analyze([[0, 0], [1, 0]], ccdt.Box())
+    with raises("points", r"\[n, 2 or 3\]"):
+        ccdt.analyze(5)
+    with raises("domain", "modes is only"):
+        ccdt.analyze(sets[0], modes=5)
     with raises("domain", "solid"):
         ccdt.analyze(np.zeros((2, 3)), ccdt.Solid("cube.obj"))

@@ -27,6 +27,10 @@ class _Measures:
         self.min_distance: float = answer["min_distance"]
         self.mean_distance: float = answer["mean_distance"]
 
+    def __repr__(self) -> str:
+        return (f"<ccdt.{type(self).__name__}: min_distance {self.min_distance:.3f}, "
+                f"mean_distance {self.mean_distance:.3f}>")
+
 
 class Analysis(_Measures, Drawing):
     """Spectrum and spacing of points. Frequencies are in units of sqrt(points / area) or cbrt(points / volume).
@@ -58,8 +62,6 @@ class Analysis(_Measures, Drawing):
     def _answer(self, format: str) -> _core.Answer:
         return _answer({**self._members, "format": json.dumps(format or "json")}, None, None)
 
-    def __repr__(self) -> str:
-        return f"<ccdt.Analysis: min_distance {self.min_distance:.3f}, mean_distance {self.mean_distance:.3f}>"
 
 
 def _answer(members: Dict[str, str], threads: Optional[int], progress: Any) -> _core.Answer:
@@ -115,8 +117,10 @@ def analyze(points: Any, domain: Any = None, *, max_frequency: Optional[float] =
     is_surface = isinstance(domain, Mesh) or is_mesh_file(domain)
     if not (is_surface or domain is None or isinstance(domain, (Torus, Rectangle, Box))):
         domain = None  # a polygon
+    if modes is not None and not is_surface or is_surface and (spectrum or max_frequency is not None):
+        raise Error("max_frequency and spectrum are not for meshes, and modes is only for them", field="domain")
     text = array_json(points, "points")
-    depth, axes = np.ndim(points), np.shape(points)[-1]
+    depth, axes = np.ndim(points), (0, *np.shape(points))[-1]
     wanted = (3,) if is_surface or is_in_space(domain) else (2, 3) if domain is None else (2,)
     if depth not in ((2,) if is_surface else (2, 3)) or axes not in wanted:
         one = f"[n, {' or '.join(map(str, wanted))}]"
