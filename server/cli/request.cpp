@@ -95,10 +95,11 @@ const std::string* find_mesh(const Arguments& arguments) {
     return found == arguments.given.end() ? nullptr : &found->value;
 }
 
-/// Whether the option `domain` is a domain in space, which has a depth. Without this option, the file decides.
-bool is_in_space(const Arguments& arguments, std::string_view file) {
+/// Whether the option `domain` is a domain in space: a word, or an object with a depth.
+bool is_in_space(const Arguments& arguments) {
     const std::string* const domain = arguments.find("domain");
-    if (domain == nullptr) return api::is_space_point_file(file);
+    if (domain == nullptr) return false;
+    if (*domain == "box" || *domain == "torus" || *domain == "solid") return true;
     const auto parsed = api::JsonDocument::parse(*domain);
     return parsed && parsed->root().is_object() && parsed->root().find("depth");
 }
@@ -118,7 +119,8 @@ Result<std::string> build_sample_body(const Arguments& arguments, const std::str
 Result<std::string> build_analyze_body(const Arguments& arguments, const std::string* file) {
     if (file == nullptr) return build_object("{", arguments);
     const auto build = [&](const auto& points) { return build_object(R"({"points":)" + list_of(points), arguments); };
-    if (is_in_space(arguments, *file)) return api::read_space_point_file(*file, arguments.limits).and_then(build);
+    if (arguments.find("domain") == nullptr ? api::is_space_point_file(*file) : is_in_space(arguments))
+        return api::read_space_point_file(*file, arguments.limits).and_then(build);
     return api::read_point_file(*file, arguments.limits).and_then(build);
 }
 
@@ -135,7 +137,7 @@ Result<ApiRequest> build_request(const Command& command, const Arguments& argume
                                  std::string_view accept) {
     const std::string* const mesh = find_mesh(arguments);
     const std::string* const density = arguments.find("density");
-    const bool has_voxels = input == nullptr && density != nullptr && api::is_npy(*density);
+    const bool has_voxels = input == nullptr && density != nullptr && api::is_voxel_file(*density);
     const std::string* const file = mesh != nullptr ? mesh : has_voxels ? density : input;
     const bool is_binary =
         file != nullptr && command.name == "sample" && (api::recognise_surface(*file) || api::is_voxel_file(*file));
@@ -172,8 +174,9 @@ Result<void> read_value_files(Arguments& arguments) {
             value = *std::move(content);
             continue;
         }
-        value = begins_like_json(*content) || api::is_npy(*content) ? *std::move(content)
-                                                                    : R"({"image":")" + api::base64(*content) + R"("})";
+        const bool is_kept = begins_like_json(*content) || api::is_npy(*content) ||
+                             (is_in_space(arguments) && api::is_voxel_file(*content));
+        value = is_kept ? *std::move(content) : R"({"image":")" + api::base64(*content) + R"("})";
     }
     return {};
 }

@@ -115,6 +115,9 @@ class Answers(ServerCase, Folder):
         options = ("--domain", domain, "--sites=60", "--format=vtu", "--mesh")
         self.compare(served, "sample", voxels, *options)
         self.compare(served, "sample", "--density", f"@{voxels}", *options)
+        layers = [Image.fromarray(layer) for layer in numpy.arange(1, 9, dtype="u1").reshape(2, 2, 2)]
+        layers[0].save(self.folder / "voxels.tif", save_all=True, append_images=layers[1:])
+        self.compare(served, "sample", "--density", f"@{self.folder / 'voxels.tif'}", *options)
         served = self.ask("/sample?domain=torus&depth=4&sites=60&format=csv", data=voxels.read_bytes())
         self.compare(served, "sample", voxels, "--domain=torus", "--depth=4", "--sites=60", "--format=csv")
         served = post_json(self.server, "/sample", {"domain": json.loads(domain), "sites": 60, "format": "csv"})
