@@ -330,6 +330,14 @@ private:
 using SurfaceSample = SpaceSample<api::SurfaceRequest>;
 using VolumeSample = SpaceSample<api::VolumeRequest>;
 
+template <class Sample>
+py::class_<Sample> bind_space_sample(py::module_& module, const char* name) {
+    return py::class_<Sample>(module, name)
+        .def(py::init<py::object, const OptionList&, const Running&>(), py::arg("body"), py::arg("options"),
+             py::arg("running"))
+        .def("write", &Sample::write, py::arg("format"), py::arg("running"));
+}
+
 AnswerPointer run_parsed(Result<api::ParsedPointer> parsed, bool has_pictures, const Running& running) {
     const api::ParsedPointer request = value_or_raise(std::move(parsed));
     const api::Decode decode = embedded_decode(has_pictures);
@@ -433,17 +441,10 @@ PYBIND11_MODULE(_core, module) {
              py::arg("running"))
         .def("write", &Sample::write, py::arg("format"), py::arg("running"));
 
-    py::class_<SurfaceSample>(module, "SurfaceSample")
-        .def(py::init<py::object, const OptionList&, const Running&>(), py::arg("mesh"), py::arg("options"),
-             py::arg("running"))
+    bind_space_sample<VolumeSample>(module, "VolumeSample");
+    bind_space_sample<SurfaceSample>(module, "SurfaceSample")
         .def_property_readonly("has_colors", &SurfaceSample::has_colours)
-        .def_property_readonly("has_texture", &SurfaceSample::has_texture)
-        .def("write", &SurfaceSample::write, py::arg("format"), py::arg("running"));
-
-    py::class_<VolumeSample>(module, "VolumeSample")
-        .def(py::init<py::object, const OptionList&, const Running&>(), py::arg("body"), py::arg("options"),
-             py::arg("running"))
-        .def("write", &VolumeSample::write, py::arg("format"), py::arg("running"));
+        .def_property_readonly("has_texture", &SurfaceSample::has_texture);
 
     module.def("answer_device", &answer_device, py::arg("picture"), py::arg("linear"), py::arg("options"),
                py::arg("running"));

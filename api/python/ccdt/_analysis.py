@@ -86,8 +86,9 @@ class SurfaceAnalysis(_Measures):
 
 
 @overload
-def analyze(points: Any, domain: Union[Torus, Rectangle, Box, None] = None, *, max_frequency: Optional[float] = None,
-            spectrum: bool = False, threads: Optional[int] = None, progress: Any = None) -> Analysis: ...
+def analyze(  # type: ignore[misc]  # Any includes the domains of Analysis
+        points: Any, domain: Union[Torus, Rectangle, Box, None] = None, *, max_frequency: Optional[float] = None,
+        spectrum: bool = False, threads: Optional[int] = None, progress: Any = None) -> Analysis: ...
 @overload
 def analyze(points: Any, domain: Any = None, *, modes: Optional[int] = None, threads: Optional[int] = None,
             progress: Any = None) -> SurfaceAnalysis: ...
