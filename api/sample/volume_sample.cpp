@@ -219,17 +219,16 @@ Result<PlacedVolume> place_in_space(const VolumeRequest& request, const Decode& 
 
 Cost cost_of(const VolumeRequest& request) {
     // Fitted to measured peaks of resident memory and to measured times; tests/api/cost_test.cpp compares the peaks.
-    constexpr Estimate kDraft{100, 34 * kMicrosecond}, kStandard{260, 38 * kMicrosecond};
-    constexpr Estimate kBest{300, 95 * kMicrosecond}, kStealthy{550, 135 * kMicrosecond};
-    constexpr Estimate kUneven{0, 65 * kMicrosecond};  // a density, or a solid
+    constexpr std::array<Estimate, 4> kOfQuality = {{{100, 34 * kMicrosecond},  // draft
+                                                     {260, 38 * kMicrosecond},
+                                                     {300, 95 * kMicrosecond},
+                                                     {550, 135 * kMicrosecond}}};  // stealthy
+    constexpr Estimate kUneven{0, 65 * kMicrosecond};                              // a density, or a solid
     constexpr Estimate kMesh{750, 14 * kMicrosecond}, kProgressive{100, 7 * kMicrosecond};
     constexpr Estimate kTriangle{300, 3.2 * kMicrosecond};                // of a mesh, as for points on its surface
     constexpr double kInBlock = 1'200, kMaxInBlocks = 4.0 * (1U << 14U);  // sites of blocks that are relaxed at a time
     const VolumeOptions& run = request.run;
-    Estimate site = run.quality == Quality::Draft      ? kDraft
-                    : run.quality == Quality::Standard ? kStandard
-                    : run.quality == Quality::Best     ? kBest
-                                                       : kStealthy;
+    Estimate site = kOfQuality[static_cast<std::size_t>(run.quality)];
     if (request.solid || !std::holds_alternative<std::monostate>(request.density)) site = site + kUneven;
     if (run.keep_mesh) site = site + kMesh;
     if (request.order == PointOrder::Progressive) site = site + kProgressive;
