@@ -20,9 +20,9 @@
 #include "api/sample/pixel_sample.h"
 #include "api/sample/sample_parser.h"
 #include "api/sample/surface_formats.h"
-#include "api/sample/surface_parser.h"
+#include "api/sample/surface_sample.h"
 #include "api/sample/volume_formats.h"
-#include "api/sample/volume_parser.h"
+#include "api/sample/volume_sample.h"
 
 namespace ccdt::api {
 namespace {

@@ -8,7 +8,7 @@
 #include "api/decode/decode.h"
 #include "api/output/body.h"
 #include "api/run/options.h"
-#include "api/sample/surface_request.h"
+#include "api/surface/surface_header.h"
 #include "core/ccdt/ccdt.h"
 #include "core/geometry/point3.h"
 #include "core/result.h"

@@ -92,11 +92,10 @@ Result<Picture> read_stack(std::string_view bytes, const ImageHeader& header, st
     for (std::size_t page = 0; page < header.frames; ++page) {
         const auto source = open_by_library(bytes, header, false, static_cast<int>(page));
         if (!source) return tl::unexpected(source.error());
-        const bool is_alike = static_cast<std::uint64_t>(source->width) == header.width && source->channels == 1 &&
-                              source->sample == sample.value_or(source->sample);
-        if (!is_alike)
+        if (source->channels != 1 || source->sample != sample.value_or(source->sample))
             return failure(ErrorCode::Unusable,
-                           "the pages of a stack must be grey, and have the same size and the same type of samples");
+                           "page " + std::to_string(page + 1) +
+                               " is not grey, or its samples are of another type than those of the first page");
         sample = source->sample;
         if (!copy_page(*source, values.get() + page * layer)) return broken_image();
     }

@@ -16,9 +16,9 @@ namespace ccdt::api {
 /// @param header     result of read_image_header()
 /// @param keep_inks  whether the rows of a TIFF in cyan, magenta, yellow and black keep these channels; if not, they
 ///                   are converted to red, green and blue
-/// @param page       number of the page of a TIFF, which must have as many pixels as the first page
-/// Errors: Unusable for a broken or truncated file, and for kinds of TIFF that are not supported. This function and the
-/// row source may throw.
+/// @param page       number of the page of a TIFF, from 0
+/// Errors: Unusable for a broken or truncated file, for kinds of TIFF that are not supported, and for a page whose size
+/// is not that of the first page. This function and the row source may throw.
 Result<RowSource> open_by_library(std::string_view bytes, const ImageHeader& header, bool keep_inks, int page = 0);
 
 }  // namespace ccdt::api

@@ -9,16 +9,34 @@
 
 namespace ccdt::api {
 
-/// Returns the values of the option `quality`.
+/// Returns the values of the option `quality`. The last value, `stealthy`, is available for points in the plane and in
+/// space, but not for halftones and surfaces.
 std::span<const Choice<Quality>> qualities();
 
-/// Reads the option after which the function is named. Errors: Malformed.
-Result<void> read_seed(const Input& input, Options& options);
-Result<void> read_iterations(const Input& input, Options& options);
-Result<void> read_passes(const Input& input, Options& options);
-Result<void> read_quality(const Input& input, Options& options);
-/// Reads the option `quality` of /halftone, which has no value `stealthy`.
-Result<void> read_halftone_quality(const Input& input, Options& options);
+// These functions read the option after which they are named into the options of a run. Errors: Malformed.
+
+template <class Run>
+Result<void> read_seed(const Input& input, Run& run) {
+    return assign(run.seed, read_integer(input, 0, kMaxInteger));
+}
+template <class Run>
+Result<void> read_iterations(const Input& input, Run& run) {
+    return assign(run.iterations, read_integer(input, 0, 1000));
+}
+template <class Run>
+Result<void> read_passes(const Input& input, Run& run) {
+    return assign(run.passes, read_integer(input, 1, 100));
+}
+template <class Run>
+Result<void> read_quality(const Input& input, Run& run) {
+    return assign(run.quality, read_choice<Quality>(input, qualities()));
+}
+/// Reads the option `quality` without the value `stealthy`.
+template <class Run>
+Result<void> read_halftone_quality(const Input& input, Run& run) {
+    return assign(run.quality, read_choice<Quality>(input, qualities().first(3)));
+}
+
 /// Reads the option `on_deadline`.
 Result<OnStop> read_on_deadline(const Input& input);
 

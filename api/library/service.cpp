@@ -23,6 +23,7 @@
 #include "api/run/options.h"
 #include "api/sample/pixel_formats.h"
 #include "api/sample/surface_formats.h"
+#include "api/sample/volume_formats.h"
 #include "api/text/text.h"
 #include "core/library/conversion.h"
 
@@ -99,6 +100,7 @@ std::vector<const api::FileFormat*> formats_of(Operation operation) {
             add(api::sample_formats());
             add(api::pixel_formats());
             add(api::surface_formats());
+            add(api::volume_formats());
             break;
         case Operation::Analyze:
             add(api::analyze_formats());

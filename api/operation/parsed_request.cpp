@@ -13,10 +13,8 @@
 #include "api/sample/sample.h"
 #include "api/sample/sample_cost.h"
 #include "api/sample/sample_parser.h"
-#include "api/sample/surface_parser.h"
 #include "api/sample/surface_sample.h"
 #include "api/sample/threshold_mask.h"
-#include "api/sample/volume_parser.h"
 #include "api/sample/volume_sample.h"
 #include "api/surface/surface_header.h"
 #include "api/text/byte_order_mark.h"
@@ -24,32 +22,25 @@
 namespace ccdt::api {
 namespace {
 
-Cost cost_within(const AnalyzeRequest& request, const Limits& /*limits*/) {
-    return cost_of(request);
-}
-Cost cost_within(const SurfaceAnalyzeRequest& request, const Limits& /*limits*/) {
-    return cost_of(request);
-}
-Cost cost_within(const SurfaceRequest& request, const Limits& /*limits*/) {
-    return cost_of(request);
-}
-Cost cost_within(const VolumeRequest& request, const Limits& /*limits*/) {
-    return cost_of(request);
-}
 Cost cost_within(const auto& request, const Limits& limits) {
-    return cost_of(request, limits);
+    if constexpr (requires { cost_of(request, limits); })
+        return cost_of(request, limits);
+    else
+        return cost_of(request);
 }
 
-bool allows_partial(const AnalyzeRequest& /*request*/) {
-    return false;
-}
-bool allows_partial(const SurfaceAnalyzeRequest& /*request*/) {
-    return false;
-}
 bool allows_partial(const auto& request) {
-    return request.on_deadline == OnStop::Partial;
+    if constexpr (requires { request.on_deadline; })
+        return request.on_deadline == OnStop::Partial;
+    else
+        return false;
 }
 
+/// Computes the answer to a request for points on a surface or in space.
+Result<Answer> compute(const auto& request, const Limits& /*limits*/, const Decode& decode, const Control& control,
+                       Timings& timings, BodySink* sink) {
+    return run_in_space(request, decode, control, timings, sink);
+}
 Result<Answer> compute(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
                        const Control& control, Timings& timings, BodySink* sink) {
     return run_halftone(request, limits, decode, control, timings, sink);
@@ -66,14 +57,6 @@ Result<Answer> compute(const SampleRequest& request, const Limits& limits, const
 Result<Answer> compute(const PixelRequest& request, const Limits& limits, const Decode& decode, const Control& control,
                        Timings& timings, BodySink* sink) {
     return run_pixels(request, limits, decode, control, timings, sink);
-}
-Result<Answer> compute(const SurfaceRequest& request, const Limits& /*limits*/, const Decode& decode,
-                       const Control& control, Timings& timings, BodySink* sink) {
-    return run_surface(request, decode, control, timings, sink);
-}
-Result<Answer> compute(const VolumeRequest& request, const Limits& /*limits*/, const Decode& decode,
-                       const Control& control, Timings& timings, BodySink* sink) {
-    return run_volume(request, decode, control, timings, sink);
 }
 Result<Answer> compute(const SurfaceAnalyzeRequest& request, const Limits& /*limits*/, const Decode& decode,
                        const Control& control, Timings& timings, BodySink* /*sink*/) {

@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include <pybind11/stl.h>
 
 #include "api/analyze/analyze.h"
+#include "api/analyze/surface_analyze.h"
 #include "api/halftone/device_picture.h"
 #include "api/halftone/halftone.h"
 #include "api/operation/parsed_request.h"
@@ -25,9 +27,7 @@
 #include "api/sample/pixel_sample.h"
 #include "api/sample/sample.h"
 #include "api/sample/sample_parser.h"
-#include "api/sample/surface_parser.h"
 #include "api/sample/surface_sample.h"
-#include "api/sample/volume_parser.h"
 #include "api/sample/volume_sample.h"
 #include "api/text/byte_order_mark.h"
 #include "api/text/numbers.h"
@@ -145,6 +145,15 @@ AnswerPointer keep(Result<api::Answer> answer) {
     return std::make_unique<api::Answer>(value_or_raise(std::move(answer)));
 }
 
+/// Calls compute(control, timings), which Python can interrupt.
+template <class Compute>
+auto run(const Running& running, Compute compute) {
+    return run_interruptible(running.threads, running.progress, [&](const Control& control) {
+        api::Timings timings;
+        return compute(control, timings);
+    });
+}
+
 /// Dots that are placed, with the request that asked for them.
 class Halftone {
 public:
@@ -153,8 +162,7 @@ public:
 
     AnswerPointer write(const std::string& format, const Running& running) const {
         const api::PointFormat& chosen = format.empty() ? *request_.format : format_of(api::halftone_formats(), format);
-        return keep(run_interruptible(running.threads, running.progress, [&](const Control& control) {
-            api::Timings timings;
+        return keep(run(running, [&](const Control& control, api::Timings& timings) {
             return api::write_answer(request_, placed_, chosen, input_.limits(), control, timings);
         }));
     }
@@ -166,8 +174,7 @@ private:
     }
 
     Result<api::PlacedHalftone> placed(const Running& running) const {
-        return run_interruptible(running.threads, running.progress, [&](const Control& control) {
-            api::Timings timings;
+        return run(running, [&](const Control& control, api::Timings& timings) {
             return api::place_halftone(request_, input_.limits(), input_.decode(), control, timings);
         });
     }
@@ -182,8 +189,7 @@ AnswerPointer answer_device(py::object picture, bool linear, const OptionList& o
     const PictureInput input(std::move(picture), linear);
     const auto list = text_options(options);
     const auto request = value_or_raise(api::parse_device(input.with(list), "", input.limits()));
-    return keep(run_interruptible(running.threads, running.progress, [&](const Control& control) {
-        api::Timings timings;
+    return keep(run(running, [&](const Control& control, api::Timings& timings) {
         return api::run_device(request, input.limits(), input.decode(), control, timings);
     }));
 }
@@ -202,8 +208,7 @@ public:
     AnswerPointer write(const std::string& format, const Running& running) const {
         const api::PointFormat& chosen =
             format.empty() ? *request_.output.format : format_of(api::sample_formats(), format);
-        return keep(run_interruptible(running.threads, running.progress, [&](const Control& control) {
-            api::Timings timings;
+        return keep(run(running, [&](const Control& control, api::Timings& timings) {
             return api::write_answer(request_, placed_, chosen, limits_, control, timings);
         }));
     }
@@ -217,8 +222,7 @@ private:
 
     Result<api::PlacedSample> placed(bool has_pictures, const Running& running) const {
         const api::Decode decode = embedded_decode(has_pictures);
-        return run_interruptible(running.threads, running.progress, [&](const Control& control) {
-            api::Timings timings;
+        return run(running, [&](const Control& control, api::Timings& timings) {
             return api::place_sample(request_, limits_, decode, control, timings);
         });
     }
@@ -264,87 +268,80 @@ private:
     api::Decode decode_;  ///< returns the triangles of arrays; empty for a file
 };
 
-/// Points that are placed on a mesh, with their request.
-class SurfaceSample {
+/// Points that are placed on a surface or in space, with their request.
+/// @tparam Request  SurfaceRequest or VolumeRequest
+template <class Request>
+class SpaceSample {
 public:
-    SurfaceSample(py::object mesh, const OptionList& options, const Running& running)
-        : input_(std::move(mesh)), request_(parsed(options)), placed_(value_or_raise(placed(running))) {}
+    /// @param body  a mesh as for MeshInput; for points in space also, without the option `domain=solid`, JSON text or
+    ///              the bytes of a file of voxels
+    SpaceSample(py::object body, const OptionList& options, const Running& running)
+        : body_(std::move(body)),
+          request_(value_or_raise(parsed(text_options(options)))),
+          placed_(value_or_raise(placed(running))) {}
 
     bool has_colours() const { return placed_.has_colours(); }
     bool has_texture() const { return placed_.has_texture(); }
 
     AnswerPointer write(const std::string& format, const Running& running) const {
-        const auto& chosen = format.empty() ? *request_.format : format_of(api::surface_formats(), format);
-        return keep(run_interruptible(running.threads, running.progress, [&](const Control& control) {
-            api::Timings timings;
+        const auto& chosen = format.empty() ? *request_.format : format_of(Request::formats(), format);
+        return keep(run(running, [&](const Control& control, api::Timings& timings) {
             return api::write_answer(request_, placed_, chosen, control, timings);
         }));
     }
 
 private:
-    api::SurfaceRequest parsed(const OptionList& options) const {
-        return value_or_raise(api::parse_surface(input_.file({}), text_options(options), "", {}));
+    using Placed = typename Request::Placed;
+
+    Result<Request> parsed(const std::vector<api::TextOption>& options) {
+        if constexpr (std::is_same_v<Request, api::SurfaceRequest>) {
+            return api::parse_surface(mesh_.emplace(body_).file({}), options, "", {});
+        } else {
+            if (api::asks_for_solid(options)) return api::parse_solid(mesh_.emplace(body_).file({}), options, "", {});
+            const auto text = py::cast<std::string_view>(body_);
+            if (!py::isinstance<py::str>(body_)) return api::parse_volume(api::open_voxels(text, {}), options, "", {});
+            return api::JsonDocument::parse(text).and_then(
+                [](const api::JsonDocument& document) { return api::parse_volume(document.root(), {}, "", {}); });
+        }
     }
 
-    Result<api::PlacedSurface> placed(const Running& running) const {
-        const api::Decode& decode = input_.decode();
-        return run_interruptible(running.threads, running.progress, [&](const Control& control) {
-            api::Timings timings;
-            return api::place_surface(request_, decode, control, timings);
-        });
+    bool has_tiff() const {
+        if constexpr (std::is_same_v<Request, api::VolumeRequest>) {
+            const auto* voxels = std::get_if<api::VoxelFile>(&request_.density);
+            return voxels != nullptr && voxels->decoder_bytes > 0;
+        }
+        return false;
     }
 
-    MeshInput input_;
-    api::SurfaceRequest request_;
-    api::PlacedSurface placed_;
-};
-
-/// Points that are placed in space, with their request.
-class VolumeSample {
-public:
-    /// @param body  JSON text; bytes of a file of voxels; or, with the option `domain=solid`, a mesh as for MeshInput
-    VolumeSample(py::object body, const OptionList& options, const Running& running)
-        : body_(std::move(body)), request_(value_or_raise(parsed(options))), placed_(value_or_raise(placed(running))) {}
-
-    AnswerPointer write(const std::string& format, const Running& running) const {
-        const auto& chosen = format.empty() ? *request_.format : format_of(api::volume_formats(), format);
-        return keep(run_interruptible(running.threads, running.progress, [&](const Control& control) {
-            api::Timings timings;
-            return api::write_answer(request_, placed_, chosen, control, timings);
-        }));
-    }
-
-private:
-    Result<api::VolumeRequest> parsed(const OptionList& options) {
-        const auto list = text_options(options);
-        if (api::asks_for_solid(list)) return api::parse_solid(mesh_.emplace(body_).file({}), list, "", {});
-        const auto text = py::cast<std::string_view>(body_);
-        if (!py::isinstance<py::str>(body_)) return api::parse_volume(api::open_voxels(text, {}), list, "", {});
-        return api::JsonDocument::parse(text).and_then(
-            [](const api::JsonDocument& document) { return api::parse_volume(document.root(), {}, "", {}); });
-    }
-
-    Result<api::PlacedVolume> placed(const Running& running) const {
-        const auto* voxels = std::get_if<api::VoxelFile>(&request_.density);
-        api::Decode decode = embedded_decode(voxels != nullptr && voxels->decoder_bytes > 0);
+    Result<Placed> placed(const Running& running) const {
+        api::Decode decode = embedded_decode(has_tiff());
         if (mesh_) decode.surface = mesh_->decode().surface;
-        return run_interruptible(running.threads, running.progress, [&](const Control& control) {
-            api::Timings timings;
-            return api::place_volume(request_, decode, control, timings);
+        return run(running, [&](const Control& control, api::Timings& timings) {
+            return api::place_in_space(request_, decode, control, timings);
         });
     }
 
     py::object body_;  ///< owns the bytes to which the request refers
     std::optional<MeshInput> mesh_;
-    api::VolumeRequest request_;
-    api::PlacedVolume placed_;
+    Request request_;
+    Placed placed_;
 };
+
+using SurfaceSample = SpaceSample<api::SurfaceRequest>;
+using VolumeSample = SpaceSample<api::VolumeRequest>;
+
+template <class Sample>
+py::class_<Sample> bind_space_sample(py::module_& module, const char* name) {
+    return py::class_<Sample>(module, name)
+        .def(py::init<py::object, const OptionList&, const Running&>(), py::arg("body"), py::arg("options"),
+             py::arg("running"))
+        .def("write", &Sample::write, py::arg("format"), py::arg("running"));
+}
 
 AnswerPointer run_parsed(Result<api::ParsedPointer> parsed, bool has_pictures, const Running& running) {
     const api::ParsedPointer request = value_or_raise(std::move(parsed));
     const api::Decode decode = embedded_decode(has_pictures);
-    return keep(run_interruptible(running.threads, running.progress, [&](const Control& control) {
-        api::Timings timings;
+    return keep(run(running, [&](const Control& control, api::Timings& timings) {
         return request->run(decode, control, timings, nullptr);
     }));
 }
@@ -355,6 +352,16 @@ AnswerPointer answer_sample(const std::string& body, bool has_pictures, const Ru
 
 AnswerPointer answer_analyze(const std::string& body, const Running& running) {
     return run_parsed(api::parse_analyze_request(body, {}, "", {}), false, running);
+}
+
+/// Analyses points on a mesh, which is as for MeshInput.
+AnswerPointer answer_surface_analyze(py::object mesh, const OptionList& options, const Running& running) {
+    const MeshInput input(std::move(mesh));
+    const auto request = value_or_raise(api::parse_surface_analyze(input.file({}), text_options(options), "", {}));
+    const api::Decode& decode = input.decode();
+    return keep(run(running, [&](const Control& control, api::Timings& timings) {
+        return api::run_surface_analyze(request, decode, control, timings);
+    }));
 }
 
 using DoubleArray = py::array_t<double, py::array::c_style | py::array::forcecast>;
@@ -434,22 +441,17 @@ PYBIND11_MODULE(_core, module) {
              py::arg("running"))
         .def("write", &Sample::write, py::arg("format"), py::arg("running"));
 
-    py::class_<SurfaceSample>(module, "SurfaceSample")
-        .def(py::init<py::object, const OptionList&, const Running&>(), py::arg("mesh"), py::arg("options"),
-             py::arg("running"))
+    bind_space_sample<VolumeSample>(module, "VolumeSample");
+    bind_space_sample<SurfaceSample>(module, "SurfaceSample")
         .def_property_readonly("has_colors", &SurfaceSample::has_colours)
-        .def_property_readonly("has_texture", &SurfaceSample::has_texture)
-        .def("write", &SurfaceSample::write, py::arg("format"), py::arg("running"));
-
-    py::class_<VolumeSample>(module, "VolumeSample")
-        .def(py::init<py::object, const OptionList&, const Running&>(), py::arg("body"), py::arg("options"),
-             py::arg("running"))
-        .def("write", &VolumeSample::write, py::arg("format"), py::arg("running"));
+        .def_property_readonly("has_texture", &SurfaceSample::has_texture);
 
     module.def("answer_device", &answer_device, py::arg("picture"), py::arg("linear"), py::arg("options"),
                py::arg("running"));
     module.def("answer_sample", &answer_sample, py::arg("body"), py::arg("has_pictures"), py::arg("running"));
     module.def("answer_analyze", &answer_analyze, py::arg("body"), py::arg("running"));
+    module.def("answer_surface_analyze", &answer_surface_analyze, py::arg("mesh"), py::arg("options"),
+               py::arg("running"));
     module.def("json_of", &json_of, py::arg("array"));
     module.def(
         "png_pixels", [](const api::Answer& file) { return png_pixels(file.body); }, py::arg("file"));

@@ -25,4 +25,8 @@ std::string header_of(std::span<const SurfaceNote> notes) {
     return notes.empty() ? std::string() : write_notes(notes.first(std::min(notes.size(), kMaxInHeader)));
 }
 
+std::string ply_header(std::size_t vertices) {
+    return "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(vertices) + "\n";
+}
+
 }  // namespace ccdt::api

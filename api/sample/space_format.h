@@ -3,18 +3,19 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <stop_token>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "api/input/file_formats.h"
 #include "api/output/body.h"
 #include "api/output/json_pieces.h"
-#include "api/run/deadline.h"
+#include "api/output/npy_header.h"
+#include "api/output/records.h"
 #include "api/run/estimate.h"
-#include "api/run/options.h"
-#include "api/run/stopwatch.h"
 #include "core/geometry/point3.h"
 #include "core/result.h"
 #include "core/surface/surface_note.h"
@@ -23,7 +24,8 @@ namespace ccdt::api {
 
 /// Format of an answer with points in space: a row of the table in surface_formats.cpp or volume_formats.cpp. The same
 /// points give the same bytes, unless the output contains the computing time.
-/// @tparam Placed  PlacedSurface or PlacedVolume
+/// @tparam Placed  PlacedSurface or PlacedVolume, whose read_row() replaces a vector by the values of a point in the
+///                 columns()
 template <class Placed>
 struct SpaceFormat {
     /// Writes points, or their triangulation. After a stop, the output is incomplete. Errors: LimitExceeded or Unusable
@@ -86,28 +88,74 @@ void write_mesh(std::span<const Point3> vertices, std::string_view name, std::sp
     body.text() += '}';
 }
 
-/// Writes placed points. The parameters are those of write_answer() for requests of each kind.
-template <class Request, class Placed>
-Result<Answer> write_in_space(const Request& request, const Placed& placed, const SpaceFormat<Placed>& format,
-                              const Control& control, Timings& timings, BodySink* sink) {
-    Stopwatch watch;
-    if (auto can = check_mesh(format, request.run.keep_mesh); !can) return tl::unexpected(can.error());
-    Answer answer;
-    answer.media_type = format.file.content_type();
-    answer.repeats = format.repeats;
-    answer.sites = placed.size();
-    answer.partial = placed.dots.stopped;
-    if (format.file.name != "json") {
-        answer.repaired = header_of(placed.repairs);
-        answer.warnings = header_of(placed.warnings);
-    }
-    const std::stop_token stop = stop_of_writing(control, request.on_deadline);
-    Body body(answer, sink, control.stop);
-    auto written = format.writer(request.run.keep_mesh)(placed, body, stop);
-    if (written) written = check_stop(stop);
-    timings.encode = watch.lap();
-    if (!written) return tl::unexpected(written.error());
-    return body.finish(std::move(answer));
+/// Column of a table of points.
+struct Column {
+    std::string_view name;
+    std::string_view ply_name;
+    std::string_view ply_type;
+
+    bool is_whole() const { return ply_type[0] == 'u'; }
+};
+
+/// Calls append(row) for each point, with its values in the columns, until a stop or until the sink of the body fails.
+template <class Placed, class Append>
+void write_rows(const Placed& placed, Body& body, const std::stop_token& stop, Append append) {
+    std::vector<double> row;
+    write_records(placed.size(), body, stop, [&](std::size_t i) {
+        placed.read_row(i, row);
+        append(row);
+    });
+}
+
+template <class Placed>
+Result<void> write_csv(const Placed& placed, Body& body, const std::stop_token& stop) {
+    const std::vector<Column> columns = placed.columns();
+    std::string& out = body.text();
+    for (const Column& column : columns) out.append(out.empty() ? "" : ",").append(column.name);
+    out += "\r\n";
+    write_rows(placed, body, stop, [&](const std::vector<double>& row) {
+        for (std::size_t k = 0; k < row.size(); ++k) {
+            if (k > 0) out += ',';
+            columns[k].is_whole() ? append_number(out, static_cast<std::uint64_t>(row[k])) : append_number(out, row[k]);
+        }
+        out += "\r\n";
+    });
+    return {};
+}
+
+template <class Placed>
+Result<void> write_npy(const Placed& placed, Body& body, const std::stop_token& stop) {
+    const std::size_t columns = placed.columns().size();
+    const std::string header = npy_header("<f8", placed.size(), columns);
+    body.expect(header.size() + placed.size() * columns * sizeof(double));
+    body.text() += header;
+    write_rows(placed, body, stop, [&](const std::vector<double>& row) {
+        body.text().append(reinterpret_cast<const char*>(row.data()), row.size() * sizeof(double));
+    });
+    return {};
+}
+
+/// Returns the beginning of a binary PLY file, before the properties of vertices.
+std::string ply_header(std::size_t vertices);
+
+/// Writes points as the element `vertex` of a binary PLY file. Source: Turk, The PLY Polygon File Format.
+template <class Placed>
+Result<void> write_ply(const Placed& placed, Body& body, const std::stop_token& stop) {
+    const std::vector<Column> columns = placed.columns();
+    std::string& out = body.text();
+    out += ply_header(placed.size());
+    for (const auto& [name, ply_name, type] : columns)
+        out.append("property ").append(type).append(" ").append(ply_name).append("\n");
+    out += "end_header\n";
+    write_rows(placed, body, stop, [&](const std::vector<double>& row) {
+        for (std::size_t k = 0; k < row.size(); ++k) {
+            if (columns[k].ply_type == "double") append_binary(out, row[k]);
+            if (columns[k].ply_type == "float") append_binary(out, static_cast<float>(row[k]));
+            if (columns[k].ply_type == "uchar") append_binary(out, static_cast<std::uint8_t>(row[k]));
+            if (columns[k].ply_type == "uint") append_binary(out, static_cast<std::uint32_t>(row[k]));
+        }
+    });
+    return {};
 }
 
 }  // namespace ccdt::api

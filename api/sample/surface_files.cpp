@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "api/image/srgb.h"
 #include "api/output/json_pieces.h"
 #include "api/output/records.h"
 #include "api/text/numbers.h"
@@ -153,8 +154,35 @@ Result<void> write_glb(int mode, std::size_t vertices, Place place, std::vector<
 
 }  // namespace
 
-std::string ply_header(std::size_t vertices) {
-    return "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(vertices) + "\n";
+std::vector<Column> PlacedSurface::columns() const {
+    std::vector<Column> columns = {{"x", "x", "double"},
+                                   {"y", "y", "double"},
+                                   {"z", "z", "double"},
+                                   {"face", "face", "uint"},
+                                   {"u", "barycentric_u", "float"},
+                                   {"v", "barycentric_v", "float"},
+                                   {"w", "barycentric_w", "float"},
+                                   {"nx", "nx", "float"},
+                                   {"ny", "ny", "float"},
+                                   {"nz", "nz", "float"}};
+    if (has_colours())
+        columns.insert(columns.end(), {{"r", "red", "uchar"}, {"g", "green", "uchar"}, {"b", "blue", "uchar"}});
+    if (has_texture()) columns.insert(columns.end(), {{"s", "s", "float"}, {"t", "t", "float"}});
+    if (!dots.ranks.empty()) columns.push_back({"rank", "rank", "uint"});
+    return columns;
+}
+
+void PlacedSurface::read_row(std::size_t i, std::vector<double>& row) const {
+    const Point3 at = place(i), across = normal(i);
+    const auto [u, v, w] = weights(i);
+    row.assign({at.x, at.y, at.z, static_cast<double>(face(i)), u, v, w, across.x, across.y, across.z});
+    if (has_colours()) {
+        for (const float light : colour(i)) row.push_back(to_srgb(static_cast<double>(light)));
+    }
+    if (has_texture()) {
+        for (const float ordinate : texture(i)) row.push_back(static_cast<double>(ordinate));
+    }
+    if (!dots.ranks.empty()) row.push_back(dots.ranks[i]);
 }
 
 Result<void> write_ply_mesh(const PlacedSurface& placed, Body& body, const std::stop_token& stop) {

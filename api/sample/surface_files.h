@@ -1,21 +1,69 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <stop_token>
-#include <string>
+#include <vector>
 
 #include "api/output/body.h"
-#include "api/sample/placed_surface.h"
+#include "api/sample/space_format.h"
+#include "core/geometry/point3.h"
 #include "core/result.h"
+#include "core/surface/distribute.h"
+#include "core/surface/surface.h"
+#include "core/surface/triangle_soup.h"
 
 namespace ccdt::api {
 
+/// Points that are placed on the surface of a mesh. They can be written in several formats.
+struct PlacedSurface {
+    TriangleSoup soup;  ///< triangles of the file
+    Surface surface;    ///< surface that was made of the triangles
+    std::vector<SurfaceNote> repairs;
+    std::vector<SurfaceNote> warnings;
+    SurfaceDistribution dots;
+    std::uint64_t seed = 0;
+    double elapsed = 0;  ///< computing time so far, milliseconds
+
+    std::size_t size() const { return dots.points.size(); }
+    bool has_colours() const { return soup.has_colours(); }
+    bool has_texture() const { return !soup.texture.empty(); }
+
+    /// Index of the triangle of the file in which point i lies.
+    std::uint32_t face(std::size_t i) const { return surface.triangle_of(dots.points[i].face); }
+
+    /// Barycentric coordinates of point i in this triangle.
+    std::array<double, 3> weights(std::size_t i) const { return surface.original_weights(dots.points[i]); }
+
+    /// Position of point i in the coordinates of the file.
+    Point3 place(std::size_t i) const {
+        const auto [u, v, w] = weights(i);
+        const auto& [a, b, c] = soup.triangles[face(i)];
+        return u * soup.vertices[a] + v * soup.vertices[b] + w * soup.vertices[c];
+    }
+
+    /// Normal of the surface at point i; unit length.
+    Point3 normal(std::size_t i) const { return surface.smooth_normal(dots.points[i]); }
+
+    /// Colour at point i in linear light. The file must have colours.
+    std::array<float, 3> colour(std::size_t i) const {
+        const auto [red, green, blue, alpha] = soup.colour_at(face(i), weights(i));
+        return {red, green, blue};
+    }
+
+    /// Columns of the table of points, with colours, texture coordinates and ranks if there are any.
+    std::vector<Column> columns() const;
+    /// Replaces `row` by the values of point i in these columns.
+    void read_row(std::size_t i, std::vector<double>& row) const;
+
+    /// Texture coordinates at point i. The file must have them.
+    std::array<float, 2> texture(std::size_t i) const { return soup.interpolated(soup.texture, face(i), weights(i)); }
+};
+
 // Writers of mesh files. The functions write_*_mesh() write the triangulation of the points,
 // SurfaceDistribution::mesh, which must not be empty. All writers have the parameters and errors of SpaceFormat::Write.
-
-/// Returns the beginning of a binary PLY file, before the properties of vertices.
-std::string ply_header(std::size_t vertices);
 
 Result<void> write_ply_mesh(const PlacedSurface& placed, Body& body, const std::stop_token& stop);
 

@@ -2,110 +2,12 @@
 #include "api/sample/surface_formats.h"
 
 #include <string_view>
-#include <vector>
 
 #include "api/image/srgb.h"
 #include "api/output/json_pieces.h"
-#include "api/output/npy_header.h"
-#include "api/output/records.h"
-#include "api/sample/surface_files.h"
-#include "api/text/numbers.h"
 
 namespace ccdt::api {
 namespace {
-
-/// Column of a table of points.
-struct Column {
-    std::string_view name;
-    std::string_view ply_name;
-    std::string_view ply_type;
-
-    bool is_whole() const { return ply_type[0] == 'u'; }
-};
-
-std::vector<Column> columns_of(const PlacedSurface& placed) {
-    std::vector<Column> columns = {{"x", "x", "double"},
-                                   {"y", "y", "double"},
-                                   {"z", "z", "double"},
-                                   {"face", "face", "uint"},
-                                   {"u", "barycentric_u", "float"},
-                                   {"v", "barycentric_v", "float"},
-                                   {"w", "barycentric_w", "float"},
-                                   {"nx", "nx", "float"},
-                                   {"ny", "ny", "float"},
-                                   {"nz", "nz", "float"}};
-    if (placed.has_colours())
-        columns.insert(columns.end(), {{"r", "red", "uchar"}, {"g", "green", "uchar"}, {"b", "blue", "uchar"}});
-    if (placed.has_texture()) columns.insert(columns.end(), {{"s", "s", "float"}, {"t", "t", "float"}});
-    if (!placed.dots.ranks.empty()) columns.push_back({"rank", "rank", "uint"});
-    return columns;
-}
-
-/// Calls append(row) for each point, with the values in the columns of columns_of(), until a stop or until the sink of
-/// the body fails.
-template <class Append>
-void write_rows(const PlacedSurface& placed, Body& body, const std::stop_token& stop, Append append) {
-    std::vector<double> row;
-    write_records(placed.size(), body, stop, [&](std::size_t i) {
-        const Point3 place = placed.place(i), normal = placed.normal(i);
-        const auto [u, v, w] = placed.weights(i);
-        row.assign(
-            {place.x, place.y, place.z, static_cast<double>(placed.face(i)), u, v, w, normal.x, normal.y, normal.z});
-        if (placed.has_colours()) {
-            for (const float light : placed.colour(i)) row.push_back(to_srgb(static_cast<double>(light)));
-        }
-        if (placed.has_texture()) {
-            for (const float ordinate : placed.texture(i)) row.push_back(static_cast<double>(ordinate));
-        }
-        if (!placed.dots.ranks.empty()) row.push_back(placed.dots.ranks[i]);
-        append(row);
-    });
-}
-
-Result<void> write_csv(const PlacedSurface& placed, Body& body, const std::stop_token& stop) {
-    const std::vector<Column> columns = columns_of(placed);
-    std::string& out = body.text();
-    for (const Column& column : columns) out.append(out.empty() ? "" : ",").append(column.name);
-    out += "\r\n";
-    write_rows(placed, body, stop, [&](const std::vector<double>& row) {
-        for (std::size_t k = 0; k < row.size(); ++k) {
-            if (k > 0) out += ',';
-            columns[k].is_whole() ? append_number(out, static_cast<std::uint64_t>(row[k])) : append_number(out, row[k]);
-        }
-        out += "\r\n";
-    });
-    return {};
-}
-
-Result<void> write_npy(const PlacedSurface& placed, Body& body, const std::stop_token& stop) {
-    const std::size_t columns = columns_of(placed).size();
-    const std::string header = npy_header("<f8", placed.size(), columns);
-    body.expect(header.size() + placed.size() * columns * sizeof(double));
-    body.text() += header;
-    write_rows(placed, body, stop, [&](const std::vector<double>& row) {
-        body.text().append(reinterpret_cast<const char*>(row.data()), row.size() * sizeof(double));
-    });
-    return {};
-}
-
-/// Writes points as the element `vertex` of a binary PLY file. Source: Turk, The PLY Polygon File Format.
-Result<void> write_ply_points(const PlacedSurface& placed, Body& body, const std::stop_token& stop) {
-    const std::vector<Column> columns = columns_of(placed);
-    std::string& out = body.text();
-    out += ply_header(placed.size());
-    for (const auto& [name, ply_name, type] : columns)
-        out.append("property ").append(type).append(" ").append(ply_name).append("\n");
-    out += "end_header\n";
-    write_rows(placed, body, stop, [&](const std::vector<double>& row) {
-        for (std::size_t k = 0; k < row.size(); ++k) {
-            if (columns[k].ply_type == "double") append_binary(out, row[k]);
-            if (columns[k].ply_type == "float") append_binary(out, static_cast<float>(row[k]));
-            if (columns[k].ply_type == "uchar") append_binary(out, static_cast<std::uint8_t>(row[k]));
-            if (columns[k].ply_type == "uint") append_binary(out, static_cast<std::uint32_t>(row[k]));
-        }
-    });
-    return {};
-}
 
 /// Writes the lists of colours and texture coordinates if the file has them.
 void write_properties(const PlacedSurface& placed, Body& body, const std::stop_token& stop) {
@@ -159,9 +61,10 @@ constexpr Estimate kTextCost{330, 1.5 * kMicrosecond};
 constexpr Estimate kBinaryCost{100, 0.2 * kMicrosecond};
 
 constexpr SurfacePointFormat kJsonPoints{kJson, 24, kTextCost, false, write_json, nullptr};
-constexpr SurfacePointFormat kCsvPoints{kCsv, 20, kTextCost, true, write_csv, nullptr};
-constexpr SurfacePointFormat kNpyPoints{kNpy, 10 * sizeof(double), kBinaryCost, true, write_npy, nullptr};
-constexpr SurfacePointFormat kPlyFile{kPly, 24, kBinaryCost, true, write_ply_points, write_ply_mesh};
+constexpr SurfacePointFormat kCsvPoints{kCsv, 20, kTextCost, true, write_csv<PlacedSurface>, nullptr};
+constexpr SurfacePointFormat kNpyPoints{kNpy, 10 * sizeof(double),      kBinaryCost,
+                                        true, write_npy<PlacedSurface>, nullptr};
+constexpr SurfacePointFormat kPlyFile{kPly, 24, kBinaryCost, true, write_ply<PlacedSurface>, write_ply_mesh};
 constexpr SurfacePointFormat kGlbFile{
     {"glb", "glTF, binary", "glb", "model/gltf-binary", ""}, 12, kBinaryCost, true, write_glb_points, write_glb_mesh};
 constexpr SurfacePointFormat kObjFile{

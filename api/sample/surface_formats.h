@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "api/sample/placed_surface.h"
 #include "api/sample/space_format.h"
+#include "api/sample/surface_files.h"
 
 namespace ccdt::api {
 

@@ -2,6 +2,7 @@
 #include "api/sample/surface_sample.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <span>
@@ -10,17 +11,62 @@
 #include <variant>
 #include <vector>
 
+#include "api/input/option_reader.h"
+#include "api/json/json_document.h"
 #include "api/output/stage_costs.h"
 #include "api/run/estimate.h"
 #include "api/run/stopwatch.h"
 #include "api/sample/ordering.h"
-#include "api/sample/surface_parser.h"
+#include "api/sample/voxel_input.h"
 #include "api/text/text.h"
 #include "core/order/progressive_order.h"
 #include "core/surface/surface_density.h"
 
 namespace ccdt::api {
 namespace {
+
+Result<void> read_density(const Input& input, SurfaceRequest& request) {
+    static constexpr Choice<SurfaceDensityKind> kWords[] = {{"uniform", SurfaceDensityKind::Uniform},
+                                                            {"color", SurfaceDensityKind::Colour},
+                                                            {"curvature", SurfaceDensityKind::Curvature}};
+    const auto text = read_text(input);
+    if (!text) return tl::unexpected(text.error());
+    if (is_voxel_file(*text)) return malformed(input, "is a file of voxels, which needs domain=solid");
+    if (!trim(*text, " \t\r\n").starts_with('['))
+        return assign(request.density, read_choice<SurfaceDensityKind>(input, kWords).map_error([](Error error) {
+            error.message += ", or a list in JSON with a number for each vertex";
+            return error;
+        }));
+    const auto document = parse_list(input);
+    if (!document) return tl::unexpected(document.error());
+    std::vector<double> values;
+    for (const JsonValue element : document->root()) {
+        const std::string field = pointer_below(input.field, values.size());
+        const auto value = read_number({field, field, element}, Interval{.min = 0});
+        if (!value) return tl::unexpected(value.error());
+        values.push_back(*value);
+    }
+    request.density = std::move(values);
+    return {};
+}
+
+/// Checks the option `domain`. Its value `solid` requests points in space, which has another parser.
+Result<void> check_domain(const Input& input) {
+    if (const auto text = read_text(input); text && *text == "surface") return {};
+    return malformed(input, "must be surface or solid");
+}
+
+using Request = SurfaceRequest;
+
+constexpr auto kRules = with_shared_rules(std::array<OptionRule<Request>, 6>{{
+    {"domain", [](const Input& i, const Limits&, Request&) { return check_domain(i); }},
+    {"iterations", [](const Input& i, const Limits&, Request& r) { return read_iterations(i, r.run); }},
+    {"passes", [](const Input& i, const Limits&, Request& r) { return read_passes(i, r.run); }},
+    {"quality", [](const Input& i, const Limits&, Request& r) { return read_halftone_quality(i, r.run); }},
+    {"density", [](const Input& i, const Limits&, Request& r) { return read_density(i, r); }},
+    {"format",
+     [](const Input& i, const Limits&, Request& r) { return assign(r.format, read_format(i, surface_formats())); }},
+}});
 
 /// Returns the error of a mesh without colours.
 /// @param reason  why a picture could not be read; empty if all were read
@@ -95,8 +141,24 @@ void order_points(const SurfaceRequest& request, const Surface& surface, const S
 
 }  // namespace
 
-Result<PlacedSurface> place_surface(const SurfaceRequest& request, const Decode& decode, const Control& control,
-                                    Timings& timings) {
+std::vector<std::string_view> surface_options() {
+    return names_of<Request>(kRules);
+}
+
+Result<SurfaceRequest> parse_surface(Result<SurfaceFile> file, const std::vector<TextOption>& options,
+                                     std::string_view accept, const Limits& limits) {
+    SurfaceRequest request;
+    ErrorList errors;
+    errors.add(read_with_sites<Request>(kRules, inputs_of(options), limits, request));
+    errors.add(file);
+    if (auto right = errors.result(); !right) return tl::unexpected(right.error());
+    request.file = *std::move(file);
+    if (auto settled = settle_format(accept, request); !settled) return tl::unexpected(settled.error());
+    return request;
+}
+
+Result<PlacedSurface> place_in_space(const SurfaceRequest& request, const Decode& decode, const Control& control,
+                                     Timings& timings) {
     Stopwatch watch;
     auto read = decode.surface(request.file.bytes, request.file.header, control.stop);
     timings.decode = watch.lap();
@@ -118,19 +180,6 @@ Result<PlacedSurface> place_surface(const SurfaceRequest& request, const Decode&
     return PlacedSurface{
         std::move(read->soup), std::move(made->surface), std::move(made->repairs),         std::move(made->warnings),
         *std::move(dots),      request.run.seed,         timings.decode + timings.optimise};
-}
-
-Result<Answer> write_answer(const SurfaceRequest& request, const PlacedSurface& placed,
-                            const SurfacePointFormat& format, const Control& control, Timings& timings,
-                            BodySink* sink) {
-    return write_in_space(request, placed, format, control, timings, sink);
-}
-
-Result<Answer> run_surface(const SurfaceRequest& request, const Decode& decode, const Control& control,
-                           Timings& timings, BodySink* sink) {
-    const auto placed = place_surface(request, decode, control, timings);
-    if (!placed) return tl::unexpected(placed.error());
-    return write_answer(request, *placed, *request.format, control, timings, sink);
 }
 
 Cost cost_of(const SurfaceRequest& request) {

@@ -2,44 +2,56 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
+#include <string_view>
+#include <variant>
+#include <vector>
 
 #include "api/decode/decode.h"
-#include "api/output/body.h"
 #include "api/run/options.h"
-#include "api/sample/placed_surface.h"
-#include "api/sample/surface_request.h"
+#include "api/sample/space_request.h"
+#include "api/sample/surface_formats.h"
+#include "api/surface/surface_header.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
+#include "core/surface/distribute.h"
 
 namespace ccdt::api {
 
-/// Reads the mesh, makes a surface of its triangles, and distributes points on it. Errors: those of run_surface()
-/// except errors of writing.
-Result<PlacedSurface> place_surface(const SurfaceRequest& request, const Decode& decode, const Control& control,
-                                    Timings& timings);
+/// Densities that the mesh itself determines.
+enum class SurfaceDensityKind { Uniform, Colour, Curvature };
 
-/// Writes placed points in the requested format, or in another one.
-///
-/// @param placed  result of place_surface() for `request`
-/// @param sink    as for run_surface()
-/// Errors: those of writing in run_surface(); Malformed if the format needs the triangulation, and the request does not
-/// ask for it.
-Result<Answer> write_answer(const SurfaceRequest& request, const PlacedSurface& placed,
-                            const SurfacePointFormat& format, const Control& control, Timings& timings,
-                            BodySink* sink = nullptr);
+/// Request to /sample for points on the surface of a mesh. Without `crease`, there are no creases.
+struct SurfaceRequest : SpaceRequest<SurfaceOptions, PlacedSurface> {
+    static std::span<const SurfacePointFormat* const> formats() { return surface_formats(); }
 
-/// Distributes points on the surface of a mesh, and writes them in the requested format.
+    SurfaceFile file;
+    /// The vector has a density for each vertex of the triangles that read_surface() returns.
+    std::variant<SurfaceDensityKind, std::vector<double>> density = SurfaceDensityKind::Uniform;
+};
+
+/// Returns the names of the options.
+std::vector<std::string_view> surface_options();
+
+/// Reads a request for points on a surface.
 ///
-/// @param control  a requested stop ends the run within one pass over the points
-/// @param sink     receives the body in pieces if the body is larger than Body::kMaxInMemory; null: the answer contains
-///                 the whole body
-/// @returns        the answer; without its body if the sink received the body
-/// Errors: those of `decode` and Surface::create(); Unusable if the density is zero everywhere, if the density follows
-/// the colours of a mesh without colours, and if the format cannot hold the coordinates; Malformed if the number of
-/// densities is not that of the vertices; LimitExceeded if the answer is too large for the format; Stopped, unless the
-/// request accepts a partial result. The same request gives the same bytes, except for `elapsed_ms` in JSON.
-Result<Answer> run_surface(const SurfaceRequest& request, const Decode& decode, const Control& control,
-                           Timings& timings, BodySink* sink = nullptr);
+/// @param file     the mesh, or the error of its header
+/// @param options  options in the order of the request
+/// @param accept   the Accept header, empty if there is none; the option `format` takes precedence
+/// Errors: those of `file`; Malformed for an unknown or repeated option, for a value out of range, if `sites` is
+/// missing, and for a format of meshes without `mesh`; LimitExceeded for too many sites or fixed points; NotAcceptable
+/// if the client accepts none of the formats. Error::field is the name of an option; for a list, the index of the
+/// faulty element follows: `density/3`.
+Result<SurfaceRequest> parse_surface(Result<SurfaceFile> file, const std::vector<TextOption>& options,
+                                     std::string_view accept, const Limits& limits);
+
+/// Reads the mesh, makes a surface of its triangles, and distributes points on it. run_in_space() also writes them.
+///
+/// Errors: those of `decode` and Surface::create(); Unusable if the density is zero everywhere, and if it follows the
+/// colours of a mesh without colours; Malformed if the number of densities is not that of the vertices; Stopped, unless
+/// the request accepts a partial result.
+Result<PlacedSurface> place_in_space(const SurfaceRequest& request, const Decode& decode, const Control& control,
+                                     Timings& timings);
 
 /// Estimates the cost of computing an answer, before the mesh is read.
 Cost cost_of(const SurfaceRequest& request);

@@ -11,7 +11,6 @@
 
 #include "api/input/run_options.h"
 #include "api/output/json_pieces.h"
-#include "api/output/npy_header.h"
 #include "api/output/records.h"
 #include "core/volume/unwrapped_mesh.h"
 
@@ -35,32 +34,6 @@ Result<void> write_json(const PlacedVolume& placed, Body& body, const std::stop_
     if (const auto& mesh = placed.dots.mesh)
         write_mesh(std::span(mesh->vertices), "tetrahedra", std::span(mesh->tetrahedra), body, stop);
     out += "}\n";
-    return {};
-}
-
-Result<void> write_csv(const PlacedVolume& placed, Body& body, const std::stop_token& stop) {
-    std::string& out = body.text();
-    out += "x,y,z\r\n";
-    write_records(placed.size(), body, stop, [&](std::size_t i) {
-        const Point3& p = placed.dots.points[i];
-        append_number(out, p.x);
-        append_number(out += ',', p.y);
-        append_number(out += ',', p.z);
-        out += "\r\n";
-    });
-    return {};
-}
-
-Result<void> write_npy(const PlacedVolume& placed, Body& body, const std::stop_token& stop) {
-    body.text() += npy_header("<f8", placed.size(), 3);
-    write_doubles(placed.dots.points, body, stop);
-    return {};
-}
-
-Result<void> write_ply(const PlacedVolume& placed, Body& body, const std::stop_token& stop) {
-    body.text() += "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(placed.size()) +
-                   "\nproperty double x\nproperty double y\nproperty double z\nend_header\n";
-    write_doubles(placed.dots.points, body, stop);
     return {};
 }
 
@@ -162,9 +135,9 @@ Result<void> write_msh(const PlacedVolume& placed, Body& body, const std::stop_t
 constexpr Estimate kTextCost{400, 2 * kMicrosecond}, kBinaryCost{200, 0.3 * kMicrosecond};
 
 constexpr VolumePointFormat kJsonPoints{kJson, 7, kTextCost, false, write_json, nullptr};
-constexpr VolumePointFormat kCsvPoints{kCsv, 7, kTextCost, true, write_csv, nullptr};
-constexpr VolumePointFormat kNpyPoints{kNpy, 3 * sizeof(double), kBinaryCost, true, write_npy, nullptr};
-constexpr VolumePointFormat kPlyPoints{kPly, 3 * sizeof(double), kBinaryCost, true, write_ply, nullptr};
+constexpr VolumePointFormat kCsvPoints{kCsv, 7, kTextCost, true, write_csv<PlacedVolume>, nullptr};
+constexpr VolumePointFormat kNpyPoints{kNpy, 3 * sizeof(double), kBinaryCost, true, write_npy<PlacedVolume>, nullptr};
+constexpr VolumePointFormat kPlyPoints{kPly, 3 * sizeof(double), kBinaryCost, true, write_ply<PlacedVolume>, nullptr};
 // These two formats have no registered media types.
 constexpr VolumePointFormat kVtuFile{{"vtu", "VTK unstructured grid", "vtu", "application/x-vtu", ""},
                                      3 * sizeof(double),

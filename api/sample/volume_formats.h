@@ -24,6 +24,11 @@ struct PlacedVolume {
     double elapsed = 0;                      ///< computing time so far, milliseconds
 
     std::size_t size() const { return dots.points.size(); }
+    std::vector<Column> columns() const { return {{"x", "x", "double"}, {"y", "y", "double"}, {"z", "z", "double"}}; }
+    void read_row(std::size_t i, std::vector<double>& row) const {
+        const Point3& p = dots.points[i];
+        row.assign({p.x, p.y, p.z});
+    }
 };
 
 /// Format of an answer with points in space.

@@ -2,10 +2,14 @@
 #include "api/sample/volume_sample.h"
 
 #include <algorithm>
+#include <array>
 #include <optional>
+#include <string>
 #include <utility>
 #include <variant>
 
+#include "api/input/domain_reader.h"
+#include "api/input/option_reader.h"
 #include "api/output/stage_costs.h"
 #include "api/run/stopwatch.h"
 #include "api/sample/ordering.h"
@@ -16,13 +20,104 @@
 namespace ccdt::api {
 namespace {
 
+/// Values of the option `domain` that are words.
+enum class DomainWord { Box, Torus, Solid };
+
+/// A request that is being parsed. Its options have been read, but their combination has not been checked yet.
+struct Draft : VolumeRequest {
+    DomainWord word = DomainWord::Box;
+    bool is_object = false;  ///< whether the domain was given with its sides
+    Point3 sides;            ///< sides given by options; 0: not given
+};
+
+Result<void> read_domain(const Input& input, Draft& draft) {
+    static constexpr Choice<DomainWord> kWords[] = {
+        {"box", DomainWord::Box}, {"torus", DomainWord::Torus}, {"solid", DomainWord::Solid}};
+    const auto text = read_text(input);
+    if (text && !text->starts_with('{')) return assign(draft.word, read_choice<DomainWord>(input, kWords));
+    draft.is_object = true;
+    if (!text) return assign(draft.domain, read_box(input));
+    const auto document = JsonDocument::parse(*text);
+    if (!document) return malformed(input, "must be valid JSON: " + document.error().message);
+    return assign(draft.domain, read_box({"/domain", "/domain", document->root()}));
+}
+
+template <double Point3::*kSide>
+Result<void> read_side(const Input& input, const Limits&, Draft& draft) {
+    return assign(draft.sides.*kSide, read_number(input, kPositive));
+}
+
+constexpr auto kRules = with_shared_rules(std::array<OptionRule<Draft>, 7>{{
+    {"domain", [](const Input& i, const Limits&, Draft& d) { return read_domain(i, d); }},
+    {"density", [](const Input& i, const Limits& l, Draft& d) { return assign(d.density, read_voxels(i, l)); }},
+    {"quality", [](const Input& i, const Limits&, Draft& d) { return read_quality(i, d.run); }},
+    {"format",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.format, read_format(i, volume_formats())); }},
+    // The sides of a domain that is given as a word.
+    {"width", read_side<&Point3::x>},
+    {"height", read_side<&Point3::y>},
+    {"depth", read_side<&Point3::z>},
+}});
+
+tl::unexpected<Error> wrong(std::string_view option, std::string_view what) {
+    return failure(ErrorCode::Malformed, std::string(option).append(" ").append(what), std::string(option));
+}
+
+/// Determines the sides of a domain that is given as a word.
+Result<void> settle_domain(Draft& draft) {
+    const auto& [width, height, depth] = draft.sides;
+    const bool any_side = width > 0 || height > 0 || depth > 0;
+    if (any_side && (draft.is_object || draft.solid))
+        return wrong("domain", "must be the word box or torus if width, height or depth is an option");
+    if (draft.solid.has_value() != (draft.word == DomainWord::Solid))
+        return wrong("domain", "must be solid for a mesh, and cannot be solid without a mesh");
+    if (draft.is_object || draft.solid) return {};
+    const auto* file = std::get_if<VoxelFile>(&draft.density);
+    const auto side_or = [&](double given, std::size_t axis) {
+        return given > 0 || file == nullptr ? given : static_cast<double>(file->voxels[axis]);
+    };
+    draft.domain = {{side_or(width, 0), side_or(height, 1), side_or(depth, 2)}, draft.word == DomainWord::Torus};
+    const Point3& sides = draft.domain.sides;
+    if (sides.x > 0 && sides.y > 0 && sides.z > 0) return {};
+    return wrong("domain", "is a word, which needs width, height and depth in space");
+}
+
+Result<void> check_quality(const VolumeRequest& request) {
+    if (request.run.quality != Quality::Stealthy) return {};
+    if (request.solid || !request.domain.periodic) return wrong("quality", "stealthy needs a domain of the type torus");
+    if (!request.run.fixed.empty()) return wrong("quality", "stealthy allows no fixed points");
+    constexpr double kFewest = 16;  // sites in a cube; with fewer, power above -100 dB may remain
+    const auto& [x, y, z] = request.domain.sides;
+    const double side = std::min({x, y, z});
+    if (static_cast<double>(request.run.sites) >= kFewest * (x / side) * (y / side) * (z / side)) return {};
+    return wrong("quality", "stealthy needs at least 16 sites for each cube with the shortest side of the torus");
+}
+
+Result<void> check(Draft& draft, std::string_view accept) {
+    ErrorList errors;
+    errors.add(settle_domain(draft));
+    errors.add(check_quality(draft));
+    errors.add(settle_format(accept, draft));
+    return errors.result();
+}
+
+/// Reads options and checks their combination.
+/// @param draft  contains the body, if it is not JSON
+Result<VolumeRequest> parse(Draft draft, std::span<const Input> inputs, std::string_view accept, const Limits& limits) {
+    const auto rules = std::span(kRules).subspan(draft.solid ? 0 : 1);
+    const auto checked =
+        read_with_sites<Draft>(rules, inputs, limits, draft).and_then([&] { return check(draft, accept); });
+    if (!checked) return tl::unexpected(draft.located(checked.error()));
+    return draft;
+}
+
 /// Reads the mesh that bounds a solid.
 /// @param placed  receives the notes about the mesh
-Result<Solid> make_solid(const SurfaceFile& file, const Decode& decode, const std::stop_token& stop,
+Result<Solid> make_solid(const VolumeRequest& request, const Decode& decode, const std::stop_token& stop,
                          PlacedVolume& placed) {
-    const auto read = decode.surface(file.bytes, file.header, stop);
+    const auto read = decode.surface(request.solid->bytes, request.solid->header, stop);
     if (!read) return tl::unexpected(read.error());
-    auto made = Surface::create(read->soup, Solid::kCrease, stop);
+    auto made = Surface::create(read->soup, request.crease.value_or(Solid::kCrease), stop);
     if (!made) return tl::unexpected(made.error());
     placed.repairs = std::move(made->repairs);
     placed.warnings = std::move(made->warnings);
@@ -46,16 +141,67 @@ void order_points(const VolumeRequest& request, const Solid* solid, const VoxelD
 
 }  // namespace
 
-Result<PlacedVolume> place_volume(const VolumeRequest& request, const Decode& decode, const Control& control,
-                                  Timings& timings) {
+std::vector<std::string_view> volume_options() {
+    return names_of<Draft>(kRules);
+}
+
+bool asks_for_volume(JsonValue root) {
+    const auto domain = root.is_object() ? root.find("domain") : std::nullopt;
+    if (!domain) return false;
+    if (domain->is_string()) return domain->text() == "box" || domain->text() == "torus";
+    if (!domain->is_object()) return false;
+    const auto format = root.find("format");
+    if (format && format->is_string() && format->text().starts_with("mask")) return false;
+    const auto type = domain->find("type");
+    return domain->find("depth") || (type && type->is_string() && type->text() == "box");
+}
+
+bool asks_for_solid(const std::vector<TextOption>& options) {
+    return std::ranges::any_of(
+        options, [](const TextOption& option) { return option.name == "domain" && option.value == "solid"; });
+}
+
+Result<VolumeRequest> parse_volume(JsonValue root, const std::vector<TextOption>& options, std::string_view accept,
+                                   const Limits& limits) {
+    if (!options.empty())
+        return failure(ErrorCode::Malformed, "options must be members of the JSON body", excerpt(options.front().name));
+    const auto inputs = inputs_of(root, "");
+    if (!inputs) return tl::unexpected(inputs.error());
+    Draft draft;
+    draft.is_json = true;
+    return parse(std::move(draft), *inputs, accept, limits);
+}
+
+Result<VolumeRequest> parse_volume(Result<VoxelFile> voxels, const std::vector<TextOption>& options,
+                                   std::string_view accept, const Limits& limits) {
+    if (!voxels) return tl::unexpected(voxels.error());
+    if (std::ranges::find(options, "density", &TextOption::name) != options.end())
+        return wrong("density", "is given twice, because the body has voxels");
+    Draft draft;
+    draft.density = *std::move(voxels);
+    return parse(std::move(draft), inputs_of(options), accept, limits);
+}
+
+Result<VolumeRequest> parse_solid(Result<SurfaceFile> mesh, const std::vector<TextOption>& options,
+                                  std::string_view accept, const Limits& limits) {
+    if (!mesh) return tl::unexpected(mesh.error());
+    Draft draft;
+    draft.solid = *std::move(mesh);
+    return parse(std::move(draft), inputs_of(options), accept, limits);
+}
+
+Result<PlacedVolume> place_in_space(const VolumeRequest& request, const Decode& decode, const Control& control,
+                                    Timings& timings) {
     const auto located = [&](Error error) { return request.located(std::move(error)); };
     PlacedVolume placed{.dots = {}, .domain = request.domain, .quality = request.run.quality, .seed = request.run.seed};
     Stopwatch watch;
     const auto density = make_density(request.density, decode, control.stop).map_error(located);
     if (!density) return tl::unexpected(density.error());
+    if (request.run.quality == Quality::Stealthy && !density->is_uniform())
+        return tl::unexpected(located({ErrorCode::Malformed, "quality stealthy needs a uniform density", "quality"}));
     std::optional<Solid> solid;
     if (request.solid) {
-        auto made = make_solid(*request.solid, decode, control.stop, placed);
+        auto made = make_solid(request, decode, control.stop, placed);
         if (!made) return tl::unexpected(std::move(made.error()));
         solid = *std::move(made);
     }
@@ -71,33 +217,18 @@ Result<PlacedVolume> place_volume(const VolumeRequest& request, const Decode& de
     return placed;
 }
 
-Result<Answer> write_answer(const VolumeRequest& request, const PlacedVolume& placed, const VolumePointFormat& format,
-                            const Control& control, Timings& timings, BodySink* sink) {
-    return write_in_space(request, placed, format, control, timings, sink).map_error([&](Error error) {
-        return request.located(std::move(error));
-    });
-}
-
-Result<Answer> run_volume(const VolumeRequest& request, const Decode& decode, const Control& control, Timings& timings,
-                          BodySink* sink) {
-    const auto placed = place_volume(request, decode, control, timings);
-    if (!placed) return tl::unexpected(placed.error());
-    return write_answer(request, *placed, *request.format, control, timings, sink);
-}
-
 Cost cost_of(const VolumeRequest& request) {
     // Fitted to measured peaks of resident memory and to measured times; tests/api/cost_test.cpp compares the peaks.
-    constexpr Estimate kDraft{100, 34 * kMicrosecond}, kStandard{260, 38 * kMicrosecond};
-    constexpr Estimate kBest{300, 95 * kMicrosecond}, kStealthy{550, 135 * kMicrosecond};
-    constexpr Estimate kUneven{0, 65 * kMicrosecond};  // a density, or a solid
+    constexpr std::array<Estimate, 4> kOfQuality = {{{100, 34 * kMicrosecond},  // draft
+                                                     {260, 38 * kMicrosecond},
+                                                     {300, 95 * kMicrosecond},
+                                                     {550, 135 * kMicrosecond}}};  // stealthy
+    constexpr Estimate kUneven{0, 65 * kMicrosecond};                              // a density, or a solid
     constexpr Estimate kMesh{750, 14 * kMicrosecond}, kProgressive{100, 7 * kMicrosecond};
     constexpr Estimate kTriangle{300, 3.2 * kMicrosecond};                // of a mesh, as for points on its surface
     constexpr double kInBlock = 1'200, kMaxInBlocks = 4.0 * (1U << 14U);  // sites of blocks that are relaxed at a time
     const VolumeOptions& run = request.run;
-    Estimate site = run.quality == Quality::Draft      ? kDraft
-                    : run.quality == Quality::Standard ? kStandard
-                    : run.quality == Quality::Best     ? kBest
-                                                       : kStealthy;
+    Estimate site = kOfQuality[static_cast<std::size_t>(run.quality)];
     if (request.solid || !std::holds_alternative<std::monostate>(request.density)) site = site + kUneven;
     if (run.keep_mesh) site = site + kMesh;
     if (request.order == PointOrder::Progressive) site = site + kProgressive;

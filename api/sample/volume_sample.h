@@ -2,41 +2,73 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
 
 #include "api/decode/decode.h"
-#include "api/output/body.h"
+#include "api/json/json_document.h"
 #include "api/run/options.h"
+#include "api/sample/space_request.h"
 #include "api/sample/volume_formats.h"
-#include "api/sample/volume_parser.h"
+#include "api/sample/voxel_input.h"
+#include "api/surface/surface_header.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
+#include "core/volume/box_domain3.h"
+#include "core/volume/distribute_volume.h"
 
 namespace ccdt::api {
 
-/// Creates the domain and the density, and distributes points. Errors: those of run_volume() except errors of writing.
-Result<PlacedVolume> place_volume(const VolumeRequest& request, const Decode& decode, const Control& control,
-                                  Timings& timings);
+/// Request to /sample for points in space. Without `crease`, the angle is Solid::kCrease.
+struct VolumeRequest : SpaceRequest<VolumeOptions, PlacedVolume> {
+    static std::span<const VolumePointFormat* const> formats() { return volume_formats(); }
 
-/// Writes placed points in the requested format, or in another one.
-///
-/// @param placed  result of place_volume() for `request`
-/// @param sink    as for run_volume()
-/// Errors: those of writing in run_volume(); Malformed if the format needs the tetrahedra, and the request does not ask
-/// for them.
-Result<Answer> write_answer(const VolumeRequest& request, const PlacedVolume& placed, const VolumePointFormat& format,
-                            const Control& control, Timings& timings, BodySink* sink = nullptr);
+    BoxDomain3 domain;                 ///< box or torus; not used for a solid
+    std::optional<SurfaceFile> solid;  ///< mesh that bounds the domain
+    VoxelInput density;
+};
 
-/// Distributes points in space, and writes them in the requested format.
+/// Returns the names of the options.
+std::vector<std::string_view> volume_options();
+
+/// Whether a JSON body requests points in space: its domain is a box, has a depth, or is the word box or torus. A mask
+/// with a depth does not.
+bool asks_for_volume(JsonValue root);
+
+/// Whether options beside a mesh request points inside it instead of points on its surface.
+bool asks_for_solid(const std::vector<TextOption>& options);
+
+/// Reads a request for points in space, whose options are the members of a JSON object.
 ///
-/// @param control  a requested stop ends the run within one pass over the points
-/// @param sink     receives the body in pieces if the body is larger than Body::kMaxInMemory; null: the answer contains
-///                 the whole body
-/// @returns        the answer; without its body if the sink received the body
+/// @param options  must be empty
+/// @param accept   the Accept header, empty if there is none; the option `format` takes precedence
+/// Errors: Malformed for an unknown or repeated option, for a value of the wrong type or out of range, for missing
+/// options, for a format of meshes without `mesh`, and for the quality stealthy unless the domain is a torus without
+/// fixed points; those of open_voxels(); LimitExceeded for too many sites or fixed points;
+/// NotAcceptable if the client accepts none of the formats. Error::field is a JSON Pointer.
+Result<VolumeRequest> parse_volume(JsonValue root, const std::vector<TextOption>& options, std::string_view accept,
+                                   const Limits& limits);
+
+/// Reads a request whose options are given as text.
+/// @param voxels   the density; without `width`, `height` or `depth`, a voxel is one unit long
+/// Errors: as above; Error::field begins with the name of an option.
+Result<VolumeRequest> parse_volume(Result<VoxelFile> voxels, const std::vector<TextOption>& options,
+                                   std::string_view accept, const Limits& limits);
+
+/// Reads a request for points inside a mesh.
+/// @param mesh  the mesh, or the error of its header
+Result<VolumeRequest> parse_solid(Result<SurfaceFile> mesh, const std::vector<TextOption>& options,
+                                  std::string_view accept, const Limits& limits);
+
+/// Creates the domain and the density, and distributes points. run_in_space() also writes them.
+///
 /// Errors: those of `decode`, VoxelDensity::create() and distribute_in_volume(); for a solid, those of
-/// Surface::create(), Solid::create() and distribute_in_solid(); those of the format; Stopped, unless the request
-/// accepts a partial result. The same request gives the same bytes, except for `elapsed_ms` in JSON.
-Result<Answer> run_volume(const VolumeRequest& request, const Decode& decode, const Control& control, Timings& timings,
-                          BodySink* sink = nullptr);
+/// Surface::create(), Solid::create() and distribute_in_solid(); Malformed for the quality stealthy unless the density
+/// is uniform; Stopped, unless the request accepts a partial result.
+Result<PlacedVolume> place_in_space(const VolumeRequest& request, const Decode& decode, const Control& control,
+                                    Timings& timings);
 
 /// Estimates the cost of computing an answer, before voxels or a mesh are read.
 Cost cost_of(const VolumeRequest& request);

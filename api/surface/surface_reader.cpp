@@ -188,6 +188,7 @@ private:
                 (is_embedded ? "the embedded texture " + name.substr(1) : "the texture " + name) + ' ' + reason);
         };
         const aiTexture* const texture = path.C_Str()[0] == '*' ? scene_.GetEmbeddedTexture(path.C_Str()) : nullptr;
+        if (path.length == 0) return failure(ErrorCode::Unusable, "a texture is empty");
         if (texture == nullptr) return fail("is in another file; embed it, for example in a GLB");
         auto& texels = contents_.soup.texels;
         auto [found, is_new] = pictures_.try_emplace(texture);
@@ -299,8 +300,11 @@ private:
             soup.triangles.push_back({first + face.mIndices[0], first + face.mIndices[1], first + face.mIndices[2]});
             if (is_reflected) std::swap(soup.triangles.back()[1], soup.triangles.back()[2]);
         }
-        if (materials_ != nullptr)
-            soup.material_of.resize(soup.triangles.size(), materials_->number_of(mesh.mMaterialIndex));
+        if (materials_ == nullptr) return;
+        const std::uint32_t material = materials_->number_of(mesh.mMaterialIndex);
+        soup.material_of.resize(soup.triangles.size(), material);
+        if (soup.materials[material].width > 0 && !mesh.HasTextureCoords(set) && contents_.picture_error.empty())
+            contents_.picture_error = "a texture has no coordinates (TEXCOORD_" + std::to_string(set) + ")";
     }
 
     using Colour = std::array<float, 3>;

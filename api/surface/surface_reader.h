@@ -17,7 +17,7 @@ namespace ccdt::api {
 struct SurfaceContents {
     TriangleSoup soup;
     std::size_t ignored = 0;         ///< number of points and lines, which have no area
-    std::string picture_error = {};  ///< why a picture of a material could not be read; empty if all were read
+    std::string picture_error = {};  ///< why a picture of a material could not be used; empty if all were used
 };
 
 /// Decodes the file of a picture. Errors: those of decode_colour_image().

@@ -60,6 +60,15 @@ std::vector<Point> points_of(std::span<const ccdt::Point> points);
 /// @param field  field of the exception, to which the index of the point is appended
 std::vector<ccdt::Point> core_points(std::span<const Point> points, std::string_view field);
 
+/// Converts points in space between the types of the library and of core.
+template <class To, class From>
+std::vector<To> converted(const std::vector<From>& points) {
+    std::vector<To> result;
+    result.reserve(points.size());
+    for (const From& p : points) result.push_back({p.x, p.y, p.z});
+    return result;
+}
+
 ccdt::Quality core_quality(Quality quality);
 
 /// Builds a domain. Throws for an invalid domain.

@@ -16,14 +16,6 @@
 namespace ccdt::v1 {
 namespace {
 
-template <class To, class From>
-std::vector<To> converted(const std::vector<From>& points) {
-    std::vector<To> result;
-    result.reserve(points.size());
-    for (const From& p : points) result.push_back({p.x, p.y, p.z});
-    return result;
-}
-
 ccdt::VoxelDensity density_of(const std::optional<VoxelGrid>& grid) {
     if (!grid) return ccdt::VoxelDensity::uniform();
     return value_of(ccdt::VoxelDensity::create({grid->width, grid->height, grid->depth}, grid->values));

@@ -2,6 +2,7 @@
 #include "core/volume/voxel_density.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <string>
 
@@ -14,8 +15,14 @@ Result<VoxelDensity> VoxelDensity::create(const std::array<std::size_t, 3>& voxe
         values.size() != columns * rows * layers)
         return failure(ErrorCode::Malformed, "the density must have one value for each voxel", "density");
     for (std::size_t i = 0; i < values.size(); ++i) {
-        if (!(values[i] >= 0) || !std::isfinite(values[i]))
-            return failure(ErrorCode::Malformed, "a density must be >= 0 and finite", "density/" + std::to_string(i));
+        if (values[i] >= 0 && std::isfinite(values[i])) continue;
+        char digits[32];
+        const std::string value(digits, std::to_chars(digits, digits + sizeof digits, values[i]).ptr);
+        return failure(ErrorCode::Malformed,
+                       "the density is " + value + " in voxel (" + std::to_string(i % columns) + ", " +
+                           std::to_string(i / columns % rows) + ", " + std::to_string(i / columns / rows) +
+                           "), but must be finite and at least 0",
+                       "density/" + std::to_string(i));
     }
     const double largest = std::ranges::max(values);
     if (largest == 0) return failure(ErrorCode::Unusable, "the density is 0 everywhere", "density");

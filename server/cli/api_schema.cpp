@@ -102,7 +102,9 @@ void add_values(const Schemas& schemas, JsonValue schema, Option& option) {
             option.takes_text = true;
             const auto reference = schema.find("$ref");
             const bool is_colour = reference && reference->text().ends_with("/Colour");
-            if (option.value.empty() || option.value == "JSON") option.value = is_colour ? "COLOUR" : "TEXT";
+            const bool is_file = option.value.empty() && schemas.find(schema, "format").has_value();
+            if (option.value.empty() || option.value == "JSON")
+                option.value = is_colour ? "COLOUR" : is_file ? "FILE" : "TEXT";
         }
     }
 }
@@ -120,7 +122,7 @@ void name_words(Option& option) {
 }
 
 Option read_option(const Schemas& schemas, std::string_view member, JsonValue schema) {
-    Option option{.name = hyphenated(member), .member = std::string(member), .value = {}, .description = {}};
+    Option option{.name = hyphenated(member), .member = std::string(member)};
     add_values(schemas, schema, option);
     if (const auto text = schemas.find(schema, "description")) option.description = text->text();
     if (const auto value = schemas.find(schema, "default")) option.default_value = text_of(*value);

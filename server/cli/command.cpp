@@ -28,7 +28,7 @@ Formats joined(Formats first, const Formats& second) {
 constexpr auto kHalftoneSchemas = std::to_array<std::string_view>({"HalftoneOptions", "DeviceOptions"});
 constexpr auto kSampleSchemas =
     std::to_array<std::string_view>({"SampleRequest", "PixelRequest", "SurfaceOptions", "VolumeOptions"});
-constexpr auto kAnalyzeSchemas = std::to_array<std::string_view>({"AnalyzeRequest"});
+constexpr auto kAnalyzeSchemas = std::to_array<std::string_view>({"AnalyzeRequest", "SurfaceAnalyzeRequest"});
 
 constexpr auto kHalftoneExamples = std::to_array<std::string_view>({
     "ccdt halftone photo.jpg -o dots.png",
@@ -51,6 +51,7 @@ constexpr auto kAnalyzeExamples = std::to_array<std::string_view>({
     "ccdt analyze points.csv -o spectrum.svg",
     R"(ccdt analyze points.npy --domain '{"type":"rectangle","width":4,"height":3}')",
     R"(ccdt analyze space.ply --domain '{"type":"torus","width":1,"height":1,"depth":1}')",
+    "ccdt analyze points.ply --mesh bunny.obj",
 });
 
 const std::array kCommands = {
@@ -74,7 +75,8 @@ const std::array kCommands = {
         "POINTS is a CSV file with the columns x and y, an NPY file with an array of at least two columns, a PLY, a "
         "JSON list of positions, GeoJSON, or a JSON answer of ccdt sample or ccdt halftone. The "
         "points are in space, with a third coordinate, z, if --domain has a depth or, without --domain, in a PLY and "
-        "in a CSV with the column z. Without POINTS, --sets gives sets of points.",
+        "in a CSV with the column z; and on the surface of a mesh with --mesh. Without POINTS, --sets gives sets of "
+        "points.",
         kAnalyzeExamples, kAnalyzeSchemas, [] { return api::files_of(api::analyze_formats()); }},
 };
 
@@ -90,7 +92,6 @@ constexpr auto kOmitted = std::to_array<std::string_view>({"on_deadline", "point
 
 const std::array kProgramOptions = {
     Option{.name = "output",
-           .member = {},
            .value = "FILE",
            .description =
                "File of the answer, or - for standard output. With several inputs, {name} in FILE stands for the name "
@@ -100,45 +101,36 @@ const std::array kProgramOptions = {
            .takes_text = true,
            .letter = 'o'},
     Option{.name = "quiet",
-           .member = {},
-           .value = {},
            .description = "Prints neither progress nor warnings. Errors are still printed.",
            .letter = 'q'},
     Option{.name = "json",
-           .member = {},
-           .value = {},
            .description = "Prints each message as a line of JSON on standard error. The member type is progress, "
                           "warning, result or error."},
-    Option{.name = "help", .member = {}, .value = {}, .description = "Prints help.", .letter = 'h'},
+    Option{.name = "help", .description = "Prints help.", .letter = 'h'},
     Option{.name = "threads",
-           .member = {},
            .value = "N",
            .description = "Maximum number of threads. The answer does not depend on it.",
            .allowed = "from 1 to 1024",
            .default_value = "one per core",
            .takes_number = true},
     Option{.name = "memory",
-           .member = {},
            .value = "BYTES",
            .description = "Refuses a request that may need more memory. Accepts KiB, MiB and GiB.",
            .default_value = "three quarters of the memory of the machine or container",
            .takes_text = true},
     Option{.name = "max-sites",
-           .member = {},
            .value = "N",
            .description = "Maximum number of dots or points of an answer.",
            .allowed = "from 1 to 100000000",
            .default_value = "100000000",
            .takes_number = true},
     Option{.name = "max-pixels",
-           .member = {},
            .value = "N",
            .description = "Maximum number of pixels of a picture that is read or drawn.",
            .allowed = "from 1 to 1000000000",
            .default_value = "1000000000",
            .takes_number = true},
     Option{.name = "max-faces",
-           .member = {},
            .value = "N",
            .description = "Maximum number of faces of a mesh, in triangles.",
            .allowed = "from 1 to 100000000",
@@ -156,7 +148,7 @@ constexpr auto kGroups = std::to_array<GroupRow>({
     {"Dots", " sites minutes per classes properties density fixed sets dot dots tone detail levels invert "},
     {"Colour", " color palette foreground background layers "},
     {"Placement", " method quality iterations passes tolerance crease order mesh seed "},
-    {"Analysis", " max-frequency spectrum "},
+    {"Analysis", " max-frequency spectrum modes "},
     {"Format and size", " format multipoint width height scale fit antialias width-mm "},
     {"Plotters", " style pen speed dwell pen-down pen-up "},
     {"Devices", " device rotate spot bit-order invert-bits "},

@@ -11,9 +11,9 @@ namespace ccdt::server {
 /// An option of a command.
 struct Option {
     std::string name;                     ///< without the leading `--`, with hyphens
-    std::string member;                   ///< name in the API; empty for an option of the program itself
-    std::string value;                    ///< name of the value in help texts; empty for a flag
-    std::string description;              ///< full sentences
+    std::string member = {};              ///< name in the API; empty for an option of the program itself
+    std::string value = {};               ///< name of the value in help texts; empty for a flag
+    std::string description = {};         ///< full sentences
     std::string allowed = {};             ///< range of numbers, such as "from 0 to 1"; may be empty
     std::string default_value = {};       ///< may be empty
     std::vector<std::string> words = {};  ///< words that the option accepts, possibly besides other values

@@ -83,10 +83,23 @@ std::string list_of(const std::vector<P>& points) {
     return text += ']';
 }
 
-/// Whether the option `domain` is a domain in space, which has a depth. Without this option, the file decides.
-bool is_in_space(const Arguments& arguments, std::string_view file) {
+/// Whether an option names the file of the mesh on which points are analysed.
+bool names_mesh(const Option& option) {
+    return option.member == "mesh" && !option.is_flag();
+}
+
+/// Returns the mesh on which points are analysed; null if there is none.
+const std::string* find_mesh(const Arguments& arguments) {
+    const auto found =
+        std::ranges::find_if(arguments.given, [](const auto& given) { return names_mesh(*given.option); });
+    return found == arguments.given.end() ? nullptr : &found->value;
+}
+
+/// Whether the option `domain` is a domain in space: a word, or an object with a depth.
+bool is_in_space(const Arguments& arguments) {
     const std::string* const domain = arguments.find("domain");
-    if (domain == nullptr) return api::is_space_point_file(file);
+    if (domain == nullptr) return false;
+    if (*domain == "box" || *domain == "torus" || *domain == "solid") return true;
     const auto parsed = api::JsonDocument::parse(*domain);
     return parsed && parsed->root().is_object() && parsed->root().find("depth");
 }
@@ -106,12 +119,14 @@ Result<std::string> build_sample_body(const Arguments& arguments, const std::str
 Result<std::string> build_analyze_body(const Arguments& arguments, const std::string* file) {
     if (file == nullptr) return build_object("{", arguments);
     const auto build = [&](const auto& points) { return build_object(R"({"points":)" + list_of(points), arguments); };
-    if (is_in_space(arguments, *file)) return api::read_space_point_file(*file, arguments.limits).and_then(build);
+    if (arguments.find("domain") == nullptr ? api::is_space_point_file(*file) : is_in_space(arguments))
+        return api::read_space_point_file(*file, arguments.limits).and_then(build);
     return api::read_point_file(*file, arguments.limits).and_then(build);
 }
 
 /// Returns the formats between which a command chooses.
 std::vector<const api::FileFormat*> formats_of(const Command& command, const Arguments& arguments) {
+    if (find_mesh(arguments) != nullptr) return {&api::kJson};
     if (arguments.find("device") != nullptr) return api::files_of(api::device_formats());
     return command.formats();
 }
@@ -120,13 +135,15 @@ std::vector<const api::FileFormat*> formats_of(const Command& command, const Arg
 
 Result<ApiRequest> build_request(const Command& command, const Arguments& arguments, const std::string* input,
                                  std::string_view accept) {
+    const std::string* const mesh = find_mesh(arguments);
     const std::string* const density = arguments.find("density");
-    const bool has_voxels = input == nullptr && density != nullptr && api::is_npy(*density);
-    const std::string* const file = has_voxels ? density : input;
+    const bool has_voxels = input == nullptr && density != nullptr && api::is_voxel_file(*density);
+    const std::string* const file = mesh != nullptr ? mesh : has_voxels ? density : input;
     const bool is_binary =
         file != nullptr && command.name == "sample" && (api::recognise_surface(*file) || api::is_voxel_file(*file));
-    if (file != nullptr && (is_binary || takes_query(arguments)) && command.name != "analyze") {
+    if (mesh != nullptr || (file != nullptr && command.name != "analyze" && (is_binary || takes_query(arguments)))) {
         ApiRequest request{*file, {}, std::string(accept)};
+        if (mesh != nullptr && input != nullptr) request.options.push_back({"points", *input});
         for (const auto& [option, value] : arguments.given) {
             if (&value != file) request.options.push_back({option->member, value});
         }
@@ -146,12 +163,20 @@ Result<api::ParsedPointer> parse_request(const Command& command, const ApiReques
 
 Result<void> read_value_files(Arguments& arguments) {
     for (auto& [option, value] : arguments.given) {
-        if (!option->takes_json || !value.starts_with('@')) continue;
-        auto content = read_file(value.substr(1), arguments.memory);
-        if (!content)
-            return failure(content.error().code, value.substr(1) + ": " + content.error().message, option->member);
-        value = begins_like_json(*content) || api::is_npy(*content) ? *std::move(content)
-                                                                    : R"({"image":")" + api::base64(*content) + R"("})";
+        const bool is_mesh = names_mesh(*option);
+        if (!is_mesh && (!option->takes_json || !value.starts_with('@'))) continue;
+        const std::string file = value.substr(value.starts_with('@') ? 1 : 0);
+        auto content = read_file(file, arguments.memory);
+        if (content && is_mesh && !api::recognise_surface(*content))
+            content = failure(ErrorCode::Unsupported, "this is not an STL, OBJ, PLY, OFF, GLB or glTF file");
+        if (!content) return failure(content.error().code, file + ": " + content.error().message, option->member);
+        if (is_mesh) {
+            value = *std::move(content);
+            continue;
+        }
+        const bool is_kept = begins_like_json(*content) || api::is_npy(*content) ||
+                             (is_in_space(arguments) && api::is_voxel_file(*content));
+        value = is_kept ? *std::move(content) : R"({"image":")" + api::base64(*content) + R"("})";
     }
     return {};
 }

@@ -32,9 +32,10 @@ Result<ApiRequest> build_request(const Command& command, const Arguments& argume
 /// Parses a request. The result may point into it.
 Result<api::ParsedPointer> parse_request(const Command& command, const ApiRequest& request, const api::Limits& limits);
 
-/// Replaces each value `@FILE` of an option that takes JSON by the content of the file. A file that is not JSON becomes
-/// an object with the member `image`, in base64.
-/// Errors: those of read_file(), with the member as Error::field and the name of the file in the message.
+/// Replaces each value `@FILE` of an option that takes JSON by the content of the file. A file that is neither JSON nor
+/// voxels becomes an object with the member `image`, in base64. A TIFF has voxels if `domain` is in space. Also
+/// replaces the file of the mesh on which points are analysed. Errors: those of read_file(), with the member as
+/// Error::field and the name of the file in the message.
 Result<void> read_value_files(Arguments& arguments);
 
 /// Finds the format of an output. The option `format` names it, or else the suffix of the file's name chooses it.

@@ -19,10 +19,8 @@
 #include "api/sample/pixel_sample.h"
 #include "api/sample/sample.h"
 #include "api/sample/sample_parser.h"
-#include "api/sample/surface_parser.h"
 #include "api/sample/surface_sample.h"
 #include "api/sample/threshold_mask.h"
-#include "api/sample/volume_parser.h"
 #include "api/sample/volume_sample.h"
 #include "tests/api/files.h"
 #include "tests/api/image/rasters.h"
@@ -399,7 +397,7 @@ TEST(SurfaceCost, BoundsMemoryUsed) {
         };
         const auto work = [&] {
             Timings timings;
-            if (!run_surface(*request, decode, {}, timings)) std::abort();
+            if (!run_in_space(*request, decode, {}, timings)) std::abort();
         };
         expect_near(cost_of(*request), 3, work, std::to_string(columns) + ' ' + options.back().name);
     }
@@ -422,7 +420,7 @@ TEST(VolumeCost, BoundsMemoryUsed) {
         ASSERT_TRUE(request) << request.error().message;
         const auto work = [&] {
             Timings timings;
-            if (!run_volume(*request, {}, {}, timings)) std::abort();
+            if (!run_in_space(*request, {}, {}, timings)) std::abort();
         };
         expect_near(cost_of(*request), 3, work, body.substr(0, 200));
     }

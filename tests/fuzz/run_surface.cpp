@@ -6,13 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "api/sample/surface_parser.h"
 #include "api/sample/surface_sample.h"
-#include "api/sample/volume_parser.h"
 #include "api/sample/volume_sample.h"
-#include "tests/fuzz/answer_checks.h"
-#include "tests/fuzz/checks.h"
 #include "tests/fuzz/extremes.h"
+#include "tests/fuzz/space_checks.h"
 #include "tests/support/surfaces.h"
 
 namespace ccdt::fuzz {
@@ -40,10 +37,6 @@ enum class Given : std::uint16_t {
     Solid = 8192,
     Picture = 16384,
 };
-
-bool is_given(std::uint16_t bits, Given property) {
-    return (bits & static_cast<std::uint16_t>(property)) != 0;
-}
 
 TriangleSoup take_shape(Bytes& input) {
     switch (input.take<std::uint8_t>() % 6) {
@@ -109,6 +102,7 @@ std::vector<api::TextOption> take_solid_options(Bytes& input, std::uint16_t bits
                                             {"format", std::string(take_one(api::volume_formats(), input)->file.name)}};
     if (is_given(bits, Given::Quality)) options.push_back({"quality", std::string(take_one(kQualities, input))});
     if (is_given(bits, Given::Mesh)) options.push_back({"mesh", "true"});
+    if (is_given(bits, Given::Crease)) options.push_back({"crease", written(take_number(input))});
     if (is_given(bits, Given::Progressive)) options.push_back({"order", "progressive"});
     if (is_given(bits, Given::Colours))
         options.push_back({"density", R"({"width":2,"height":1,"depth":1,"values":[)" + written(take_number(input)) +
@@ -139,9 +133,7 @@ std::vector<api::TextOption> take_options(Bytes& input, std::uint16_t bits, cons
 }
 
 void check_points(const api::VolumeRequest& request, const TriangleSoup& soup, const std::string& body) {
-    const auto json = nlohmann::json::parse(body, nullptr, false);
-    CCDT_CHECK(!json.is_discarded() && body.find("null") == std::string::npos);
-    CCDT_CHECK(json.at("points").size() == request.run.sites);
+    const auto json = check_json(request, body, "tetrahedra");
     const Box3 box = bounds_of(soup.vertices);
     const Point3 margin = 1e-6 * (box.max - box.min);
     for (const auto& point : json.at("points")) {
@@ -152,10 +144,9 @@ void check_points(const api::VolumeRequest& request, const TriangleSoup& soup, c
 }
 
 void check_points(const api::SurfaceRequest& request, const TriangleSoup& soup, const std::string& body) {
-    const auto json = nlohmann::json::parse(body, nullptr, false);
-    CCDT_CHECK(!json.is_discarded() && body.find("null") == std::string::npos);
+    const auto json = check_json(request, body, "triangles");
     const std::size_t sites = request.run.sites;
-    for (const auto* list : {"points", "faces", "barycentric", "normals"}) CCDT_CHECK(json.at(list).size() == sites);
+    for (const auto* list : {"faces", "barycentric", "normals"}) CCDT_CHECK(json.at(list).size() == sites);
     for (const auto& face : json.at("faces")) CCDT_CHECK(face.get<std::size_t>() < soup.triangles.size());
     for (const auto& weights : json.at("barycentric")) {
         double sum = 0;
@@ -170,39 +161,6 @@ void check_points(const api::SurfaceRequest& request, const TriangleSoup& soup, 
         CCDT_CHECK(std::abs(length(n) - 1) < 1e-6);
     }
     CCDT_CHECK(json.at("variation").get<double>() >= 0);
-    CCDT_CHECK(json.contains("mesh") == request.run.keep_mesh);
-    if (!request.run.keep_mesh) return;
-    const std::size_t vertices = json.at("mesh").at("vertices").size();
-    CCDT_CHECK(vertices >= sites);
-    for (const auto& triangle : json.at("mesh").at("triangles")) {
-        for (const auto& vertex : triangle) CCDT_CHECK(vertex.get<std::size_t>() < vertices);
-    }
-}
-
-Result<api::Answer> run(const api::SurfaceRequest& request, const api::Decode& decode) {
-    api::Timings timings;
-    return api::run_surface(request, decode, {}, timings);
-}
-Result<api::Answer> run(const api::VolumeRequest& request, const api::Decode& decode) {
-    api::Timings timings;
-    return api::run_volume(request, decode, {}, timings);
-}
-
-/// Estimates and answers a request.
-template <class Request>
-void check_request(const Result<Request>& request, const TriangleSoup& soup) {
-    if (!request) return check_error(request.error());
-    check_cost(api::cost_of(*request));
-    api::Decode decode;
-    decode.surface = [&](std::string_view, const api::SurfaceHeader&, const std::stop_token&) {
-        return Result<api::SurfaceContents>(api::SurfaceContents{soup});
-    };
-    const auto answer = run(*request, decode);
-    if (!answer) return check_error(answer.error());
-    CCDT_CHECK(answer->sites == request->run.sites && !answer->partial);
-    CCDT_CHECK(answer->body.size() >= request->run.sites * request->format->least);
-    if (request->format->file.name == "json") check_points(*request, soup, answer->body);
-    CCDT_CHECK(without_time(answer->body) == without_time(run(*request, decode)->body));
 }
 
 }  // namespace
@@ -219,10 +177,19 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     file.header.max_triangles = soup.triangles.size();
     file.header.max_vertices = soup.vertices.size();
     file.header.texels = soup.texels.size();
+    api::Decode decode;
+    decode.surface = [&](std::string_view, const api::SurfaceHeader&, const std::stop_token&) {
+        return Result<api::SurfaceContents>(api::SurfaceContents{soup});
+    };
+    const auto check_points = [&](const auto& request, const std::string& body) {
+        fuzz::check_points(request, soup, body);
+    };
     if (fuzz::is_given(bits, fuzz::Given::Solid)) {
-        fuzz::check_request(api::parse_solid(file, fuzz::take_solid_options(input, bits), "", fuzz::kLimits), soup);
+        fuzz::check_request(api::parse_solid(file, fuzz::take_solid_options(input, bits), "", fuzz::kLimits), decode,
+                            check_points);
     } else {
-        fuzz::check_request(api::parse_surface(file, fuzz::take_options(input, bits, soup), "", fuzz::kLimits), soup);
+        fuzz::check_request(api::parse_surface(file, fuzz::take_options(input, bits, soup), "", fuzz::kLimits), decode,
+                            check_points);
     }
     return 0;
 }

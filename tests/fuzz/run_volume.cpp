@@ -8,11 +8,9 @@
 #include <vector>
 
 #include "api/json/json_document.h"
-#include "api/sample/volume_parser.h"
 #include "api/sample/volume_sample.h"
-#include "tests/fuzz/answer_checks.h"
-#include "tests/fuzz/checks.h"
 #include "tests/fuzz/extremes.h"
+#include "tests/fuzz/space_checks.h"
 
 namespace ccdt::fuzz {
 namespace {
@@ -32,10 +30,6 @@ enum class Given : std::uint16_t {
     Partial = 64,
     File = 128,
 };
-
-bool is_given(std::uint16_t bits, Given property) {
-    return (bits & static_cast<std::uint16_t>(property)) != 0;
-}
 
 std::string list_of(Bytes& input, std::size_t count) {
     std::string list;
@@ -82,21 +76,12 @@ Result<api::VolumeRequest> parse_json(std::string_view body) {
 }
 
 void check_points(const api::VolumeRequest& request, const std::string& body) {
-    const auto json = nlohmann::json::parse(body, nullptr, false);
-    CCDT_CHECK(!json.is_discarded() && body.find("null") == std::string::npos);
-    CCDT_CHECK(json.at("points").size() == request.run.sites);
+    const auto json = check_json(request, body, "tetrahedra");
     const Point3 sides = request.domain.sides;
     for (const auto& point : json.at("points")) {
         const auto is_inside = [](double v, double side) { return v >= 0 && v <= side; };
         CCDT_CHECK(is_inside(point.at(0), sides.x) && is_inside(point.at(1), sides.y) &&
                    is_inside(point.at(2), sides.z));
-    }
-    CCDT_CHECK(json.contains("mesh") == request.run.keep_mesh);
-    if (!request.run.keep_mesh) return;
-    const std::size_t vertices = json.at("mesh").at("vertices").size();
-    CCDT_CHECK(vertices >= request.run.sites);
-    for (const auto& tetrahedron : json.at("mesh").at("tetrahedra")) {
-        for (const auto& vertex : tetrahedron) CCDT_CHECK(vertex.get<std::size_t>() < vertices);
     }
 }
 
@@ -112,24 +97,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const bool is_file = fuzz::is_given(bits, fuzz::Given::File);
     const std::string body =
         is_file ? std::string(text.substr(std::min(sizeof bits, size))) : fuzz::take_request(input, bits);
-    const auto request = is_file ? fuzz::parse_file(body) : fuzz::parse_json(body);
-    if (!request) {
-        fuzz::check_error(request.error());
-        return 0;
-    }
-    fuzz::check_cost(api::cost_of(*request));
-    const auto run = [&] {
-        api::Timings timings;
-        return api::run_volume(*request, api::decode_inline(), {}, timings);
-    };
-    const auto answer = run();
-    if (!answer) {
-        fuzz::check_error(answer.error());
-        return 0;
-    }
-    CCDT_CHECK(answer->sites == request->run.sites && !answer->partial);
-    CCDT_CHECK(answer->body.size() >= request->run.sites * request->format->least);
-    if (request->format->file.name == "json") fuzz::check_points(*request, answer->body);
-    CCDT_CHECK(fuzz::without_time(answer->body) == fuzz::without_time(run()->body));
+    fuzz::check_request(is_file ? fuzz::parse_file(body) : fuzz::parse_json(body), api::decode_inline(),
+                        fuzz::check_points);
     return 0;
 }

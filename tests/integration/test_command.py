@@ -23,6 +23,7 @@ from harness import PATIENCE, PICTURES, POLYGONS, ROOT, ServerCase, data_uri, ex
 PROGRAM = pathlib.Path(os.environ["CCDT_COMMAND"])
 PICTURE = PICTURES / "camera.png"
 OTHER = PICTURES / "chelsea.png"
+MESH = ROOT / "tests" / "data" / "meshes" / "house.obj"
 TORUS = '{"type":"torus","width":1,"height":1}'
 
 # Arguments that compute for several seconds, so that a test can interrupt the program.
@@ -114,8 +115,14 @@ class Answers(ServerCase, Folder):
         options = ("--domain", domain, "--sites=60", "--format=vtu", "--mesh")
         self.compare(served, "sample", voxels, *options)
         self.compare(served, "sample", "--density", f"@{voxels}", *options)
+        layers = [Image.fromarray(layer) for layer in numpy.arange(1, 9, dtype="u1").reshape(2, 2, 2)]
+        layers[0].save(self.folder / "voxels.tif", save_all=True, append_images=layers[1:])
+        self.compare(served, "sample", "--density", f"@{self.folder / 'voxels.tif'}", *options)
         served = self.ask("/sample?domain=torus&depth=4&sites=60&format=csv", data=voxels.read_bytes())
         self.compare(served, "sample", voxels, "--domain=torus", "--depth=4", "--sites=60", "--format=csv")
+        served = post_json(self.server, "/sample", {"domain": json.loads(domain), "sites": 60, "format": "csv"})
+        self.compare(served, "sample", "--domain=box", "--width=2", "--height=1", "--depth=1", "--sites=60",
+                     "--format=csv")
 
     def test_maps_take_options_that_the_service_takes_in_a_body(self):
         file = POLYGONS / "Italy-110m.geojson"
@@ -135,6 +142,14 @@ class Answers(ServerCase, Folder):
                     expected[answer] = post_json(self.server, "/analyze", body)
                 with self.subTest(kind, answer=answer):
                     self.compare(expected[answer], "analyze", points, "--max-frequency=3", "--format", answer)
+
+    def test_analyses_on_meshes_equal_those_of_the_service(self):
+        points = self.folder / "points.ply"
+        self.assert_done(run("sample", MESH, "--sites", 100, "-o", points))
+        served = self.ask("/analyze", "-F", f"mesh=@{MESH}", "-F", f"points=@{points}", "-F", "modes=20")
+        self.compare(served, "analyze", points, "--mesh", MESH, "--modes=20")
+        self.assert_fails(run("analyze", points, "--mesh", PICTURE), 3, "--mesh", PICTURE.name, "not an STL")
+        self.assert_fails(run("analyze", PICTURE, "--mesh", MESH), 3, "points")
 
     def test_pixels_equal_those_of_the_service(self):
         domain = '{"type":"pixels","width":40,"height":30}'

@@ -473,17 +473,20 @@ class VolumeRequests(ContractCase):
               "order": "progressive", "mesh": True, "density": {"width": 1, "height": 1, "depth": 2, "values": [1, 2]}}
 
     def test_are_answered_as_documented(self):
-        self.assertEqual({*self.VALUES, "sites", "domain", "format"}, set(properties("VolumeRequest")))
-        for option, value in self.VALUES.items():
-            with self.subTest(option):
-                body = {**self.BODY, option: value}
+        sides = {"width": 2, "height": 1, "depth": 0.5}
+        self.assertEqual({*self.VALUES, *sides, "sites", "domain", "format"}, set(properties("VolumeRequest")))
+        for members in (*({option: value} for option, value in self.VALUES.items()), {"domain": "box", **sides}):
+            with self.subTest(members):
+                body = {**self.BODY, **members}
                 self.assertEqual(faults(body, schema("VolumeRequest")), [])
                 self.assertEqual(faults(self.pose("/sample", body).json(), schema("VolumePoints")), [])
 
     def test_match_the_server(self):
-        detail = self.pose("/sample", {**self.BODY, "nonsense": 1}, status=400).json()["detail"]
-        known = detail.split(" are ")[1].split(", ")
-        self.assertEqual(sorted(known), sorted(properties("VolumeOptions")))
+        answers = {"VolumeRequest": self.pose("/sample", {**self.BODY, "nonsense": 1}, status=400),
+                   "VolumeOptions": self.ask("/sample?domain=solid&nonsense=1", data=MESH)}
+        for name, answer in answers.items():
+            known = answer.json()["detail"].split(" are ")[1].split(";")[0].split(", ")
+            self.assertEqual(sorted(known), sorted(properties(name)))
 
     def test_have_the_documented_defaults(self):
         for option, described in properties("VolumeRequest").items():

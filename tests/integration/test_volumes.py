@@ -158,7 +158,8 @@ class Errors(VolumeCase):
         broken[1, 0, 2] = numpy.nan
         colour = io.BytesIO()
         Image.new("RGB", (2, 2)).save(colour, "TIFF")
-        cases = ((npy_of(broken), "sites=5", 400, "density/14", "finite"),
+        uneven = tiff_of([VOXELS[0], VOXELS[0, 1:]])
+        cases = ((npy_of(broken), "sites=5", 400, "density/14", "nan in voxel (2, 0, 1)"),
                  (npy_of(0 * VOXELS), "sites=5", 422, "density", "0 everywhere"),
                  (npy_of(VOXELS), "sites=5&domain=solid", 400, "domain", "mesh"),
                  (npy_of(VOXELS), "sites=5&fixed=%5B%5B9,0,0%5D%5D", 400, "fixed/0", "domain"),
@@ -168,6 +169,7 @@ class Errors(VolumeCase):
                  (npy_of(VOXELS.astype(">u2")), "sites=5", 400, None, "little-endian"),
                  (npy_of(VOXELS)[:-1], "sites=5", 400, None, "47 bytes"),
                  (colour.getvalue(), "sites=5", 422, "density", "grey"),
+                 (uneven, "sites=5", 422, "density", "page 2 has 4 x 2 pixels, but the first page has 4 x 3"),
                  (tiff_of(VOXELS)[:40], "sites=5", 422, None, ""))
         for body, query, status, field, word in cases:
             with self.subTest(query=query, word=word):

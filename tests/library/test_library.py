@@ -257,6 +257,8 @@ class Case(unittest.TestCase):
         for name in ("min_distance", "mean_distance", "low_frequency_power", "power"):
             self.assertEqual(analysis[name], answer[name], name)
         self.assertEqual(analysis["spectrum"], analysis["width"] * analysis["height"])
+        # The densest packing.
+        self.assertAlmostEqual(self.memory["analysis in space"]["min_distance"], 1)
 
     def test_dots_on_both_sides_are_those_of_the_service(self):
         grey = self.installed.picture.getchannel("G")
@@ -317,6 +319,8 @@ class Case(unittest.TestCase):
             "nan detail": (MALFORMED, "detail", "is nan, but must be from 0 to 1"),
             "high frequency": (MALFORMED, "max_frequency", "is 17, but must be from 1 to 16"),
             "analysis of polygon": (MALFORMED, "domain", "Rectangle or a Torus"),
+            "analysis of a solid": (MALFORMED, "domain", "Box3 or a Torus3"),
+            "analysis of nan in space": (UNUSABLE, "sets/0/1", "outside"),
             "analysis outside": (UNUSABLE, "sets/0/1", "outside"),
             "analysis of nan": (MALFORMED, "sets/0/1", "nan"),
         }

@@ -140,6 +140,18 @@ export function useBrowser({ flags = [], viewport = { width: 1280, height: 860 }
   return world;
 }
 
+/** Opens a page in a browser without WebGL. */
+export async function pageWithoutWebgl(world) {
+  const context = await world.newContext({ viewport: world.viewport });
+  await context.addInitScript(() => {
+    const { getContext } = HTMLCanvasElement.prototype;
+    HTMLCanvasElement.prototype.getContext = function (kind, ...others) {
+      return kind === "webgl2" ? null : getContext.call(this, kind, ...others);
+    };
+  });
+  return context.newPage();
+}
+
 /** Waits until a panel has the given state, `done` or `failed`, and is drawn. */
 export async function settled(page, panel, state = "done") {
   await page.waitForSelector(`#${panel}[data-state=${state}]`);

@@ -27,8 +27,8 @@ async function open(address) {
 const elsewhere = {
   halftone: ["dwell", "format", "invert", "pen"],
   devices: [],
-  sample: ["polygon", "holes", "geometry", "domain", "classes", "object", "iterations", "mesh", "dwell", "pen"],
-  surfaces: ["domain", "iterations", "mesh"],
+  sample: ["polygon", "holes", "geometry", "classes", "object", "iterations", "mesh", "dwell", "pen"],
+  surfaces: ["iterations", "mesh"],
 };
 
 test("has a field for each option", async () => {

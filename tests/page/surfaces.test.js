@@ -9,7 +9,7 @@ import { tmpdir } from "node:os";
 import path from "node:path";
 import { test } from "node:test";
 
-import { download, looksAsKept, run, runInBrowser, settled, slide, useBrowser } from "./harness.js";
+import { download, looksAsKept, pageWithoutWebgl, run, runInBrowser, settled, slide, useBrowser } from "./harness.js";
 
 const world = useBrowser();
 const canvas = "#sample canvas.of-surfaces";
@@ -87,20 +87,13 @@ test("shows points on a surface, and their triangulation", async () => {
 });
 
 test("looks the same without WebGL", async () => {
-  const context = await world.newContext({ viewport: world.viewport });
-  await context.addInitScript(() => {
-    const { getContext } = HTMLCanvasElement.prototype;
-    HTMLCanvasElement.prototype.getContext = function (kind, ...others) {
-      return kind === "webgl2" ? null : getContext.call(this, kind, ...others);
-    };
-  });
-  const page = await context.newPage();
+  const page = await pageWithoutWebgl(world);
   await open(page);
   await looksAsKept(world, frame(page), "surface");
   await page.check("#mesh");
   await settled(page, "sample");
   await looksAsKept(world, frame(page), "surface-triangulation");
-  await context.close();
+  await page.context().close();
 });
 
 test("draws again after the browser has lost its graphics", async () => {
@@ -248,6 +241,18 @@ test("sends the options of surfaces, and no others", async () => {
   await settled(page, "sample");
   assert.ok(await page.locator("#sample .more [data-name=density]").isVisible());
   assert.ok(await page.locator("#sample [data-name=crease]").isHidden());
+});
+
+test("places points inside a mesh", async () => {
+  await open(world.page, "&domain=solid&crease=30&sites=300");
+  const { page } = world;
+  assert.match(await page.textContent("#sample .status"), /^300 points, [\d.]+ s/);
+  assert.deepEqual(Object.fromEntries(await query()), { sites: "300", domain: "solid", crease: "30" });
+  assert.ok(await page.isHidden("#sample form.of-surfaces [data-name=density]"));
+  assert.ok(await page.isDisabled("#iteration"));
+  await looksAsKept(world, frame(), "solid");
+  await page.click("#tab-analyze");
+  await settled(page, "analyze", "failed");
 });
 
 test("restores its settings from the address", async () => {

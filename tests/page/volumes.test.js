@@ -5,7 +5,7 @@ import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { test } from "node:test";
 
-import { download, looksAsKept, settled, useBrowser } from "./harness.js";
+import { download, looksAsKept, pageWithoutWebgl, settled, useBrowser } from "./harness.js";
 
 const world = useBrowser();
 const frame = (page = world.page) => page.locator("#sample .canvas-frame");
@@ -36,17 +36,10 @@ test("shows points in a torus in space, and turns them", async () => {
 });
 
 test("looks the same without WebGL", async () => {
-  const context = await world.newContext({ viewport: world.viewport });
-  await context.addInitScript(() => {
-    const { getContext } = HTMLCanvasElement.prototype;
-    HTMLCanvasElement.prototype.getContext = function (kind, ...others) {
-      return kind === "webgl2" ? null : getContext.call(this, kind, ...others);
-    };
-  });
-  const page = await context.newPage();
+  const page = await pageWithoutWebgl(world);
   await open(page);
   await looksAsKept(world, frame(page), "volume");
-  await context.close();
+  await page.context().close();
 });
 
 test("offers the options and formats of points in space", async () => {

@@ -328,8 +328,16 @@ def test_results_can_be_pickled(ramp):
 def test_analyze_takes_sets_and_refuses_others():
     sets = np.stack([ccdt.sample(ccdt.Torus(), 64, seed=seed) for seed in range(2)])
     assert ccdt.analyze(sets).sets == 2
-    for points, text in ((np.zeros((3, 3)), r"\[n, 2\]"), ([[0, 0], [1]], "equal length")):
+    for points, text in ((np.zeros((3, 4)), r"\[n, 2 or 3\]"), ([[0, 0], [1]], "equal length")):
         with raises("points", text):
             ccdt.analyze(points)
     with raises("points/1", "domain|outside|inside"):
         ccdt.analyze([[0, 0], [2, 0]])
+    with raises("points", r"\[n, 3\]"):
+        ccdt.analyze([[0, 0], [1, 0]], ccdt.Box())
+    with raises("points", r"\[n, 2 or 3\]"):
+        ccdt.analyze(5)
+    with raises("domain", "modes is only"):
+        ccdt.analyze(sets[0], modes=5)
+    with raises("domain", "solid"):
+        ccdt.analyze(np.zeros((2, 3)), ccdt.Solid("cube.obj"))

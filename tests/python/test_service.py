@@ -189,6 +189,21 @@ def test_analyses_are_those_of_the_service(server):
     assert found.write("svg") == post_json(server, "/analyze", {**members, "format": "svg"}).body
 
 
+def test_analyses_in_space_and_on_meshes_are_those_of_the_service(server, tmp_path):
+    points = ccdt.sample(ccdt.Box(2, 1, 1), 100)
+    domain = {"type": "box", "width": 2, "height": 1, "depth": 1}
+    expected = post_json(server, "/analyze", {"points": points.tolist(), "domain": domain}).json()
+    assert ccdt.analyze(points).power.tolist() == expected["power"]
+    points = ccdt.sample(HOUSE, 100)
+    (tmp_path / "points.json").write_text(json.dumps(points.tolist()))
+    form = (f"mesh=@{HOUSE}", f"points=@{tmp_path / 'points.json'}", "modes=20")
+    expected = ask(server, "/analyze", *(each for part in form for each in ("-F", part))).json()
+    found = ccdt.analyze(points, modes=20)
+    for name in ("eigenvalues", "frequency", "power"):
+        assert getattr(found, name).tolist() == expected[name]
+    assert (found.min_distance, found.low_frequency_power) == (expected["min_distance"], expected["low_frequency_power"])
+
+
 @pytest.mark.parametrize("mode", ["L", "LA", "RGB", "RGBA", "1", "I;16"])
 def test_arrays_equal_files_of_the_same_pixels(mode):
     random = np.random.default_rng(1)
@@ -228,5 +243,5 @@ def test_options_have_the_names_of_the_tables():
             == set(_core.surface_options()) - hidden)
     sides = {"domain", "width", "height", "depth"}
     assert set(_options.all_names(_options.VolumeOptions)) | sides | parameters == set(_core.volume_options()) - hidden
-    analyze = set(typing.get_type_hints(ccdt.analyze)) - {"return", "threads", "progress"}
+    analyze = set(typing.get_type_hints(ccdt.analyze)) - {"return", "threads", "progress", "modes"}  # modes: of meshes
     assert analyze | {"sets"} == set(_core.analyze_options()) - hidden

@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <numbers>
 #include <optional>
+#include <stop_token>
 #include <utility>
 #include <vector>
 
 #include "core/surface/surface.h"
 #include "core/volume/solid.h"
 #include "core/volume/tetrahedron_mesh.h"
+#include "core/volume/volume_construction.h"
 #include "tests/support/surfaces.h"
 
 namespace ccdt::test {
@@ -60,6 +65,27 @@ inline std::vector<double> dihedral_angles(const TetrahedronMesh& mesh, Point3 p
     }
     std::ranges::sort(angles);
     return angles;
+}
+
+/// Checks that a distribution in space ends with its current points after a stop in any of the given steps of its
+/// progress.
+/// @param distribute  takes options and a control
+template <class Distribute>
+void expect_stops(std::initializer_list<int> steps, Distribute distribute) {
+    for (const int step : steps) {
+        std::stop_source source;
+        int calls = 0;
+        Control control{.stop = source.get_token()};
+        control.progress = [&](const Progress&) {
+            if (calls++ == step) source.request_stop();
+        };
+        const Result<VolumeDistribution> result = distribute(VolumeOptions{.sites = 500, .keep_mesh = true}, control);
+        ASSERT_TRUE(result);
+        EXPECT_TRUE(result->stopped);
+        EXPECT_EQ(result->points.size(), 500U);
+        EXPECT_FALSE(result->mesh);
+        EXPECT_EQ(calls, step + 1);
+    }
 }
 
 }  // namespace ccdt::test

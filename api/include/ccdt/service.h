@@ -47,9 +47,10 @@ struct Limits {
 /// A request to the service.
 struct Request {
     Operation operation = Operation::Halftone;
-    /// Bytes as they are sent to the service: a picture, JSON, GeoJSON, TopoJSON, a zipped shapefile or a mesh. The
-    /// content determines the format. Pictures, maps and meshes take their options from `options`, and a JSON request
-    /// has them as members. A JSON request for a halftone takes both.
+    /// Bytes as they are sent to the service: a picture, JSON, GeoJSON, TopoJSON, a zipped shapefile, a mesh or voxels.
+    /// The content determines the format. All of these but JSON take their options from `options`, and a JSON request
+    /// has them as members. A JSON request for a halftone takes both. Analyze takes points on a mesh as the option
+    /// `points`, which is the content of a file.
     std::string_view body;
     std::vector<Option> options = {};
     std::string_view accept = {};  ///< wanted media types, as in an Accept header; the option `format` takes precedence
@@ -76,7 +77,7 @@ CCDT_EXPORT Answer answer(const Request& request, const Control& control = {});
 /// Answers a request whose body is a file, and writes the body of the answer to another file.
 ///
 /// @param operation  kind of the request
-/// @param input      file with a picture or JSON for Halftone; a map, a mesh or JSON for Sample; a mesh or
+/// @param input      file with a picture or JSON for Halftone; a map, a mesh, voxels or JSON for Sample; a mesh or
 ///                   JSON for Analyze
 /// @param output     file to be written or replaced. Its suffix selects the format, unless the option or the member
 ///                   `format` is given. The file appears when it is complete; after an error it is unchanged.

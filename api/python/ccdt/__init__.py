@@ -18,18 +18,18 @@ from .domains import Box, Mesh, Pixels, Rectangle, Solid, Torus
 from .errors import Error
 
 if TYPE_CHECKING:
-    from ._analysis import Analysis, analyze
+    from ._analysis import Analysis, SurfaceAnalysis, analyze
     from ._halftone import DevicePicture, Halftone, halftone
     from ._sample import Points, SurfacePoints, VolumePoints, mask, sample
     from .client import Client
 
 __all__ = ["Analysis", "Box", "Client", "DevicePicture", "Error", "Halftone", "Mesh", "Pixels", "Points", "Rectangle",
-           "Solid", "SurfacePoints", "Torus", "VolumePoints", "analyze", "halftone", "mask", "sample"]
+           "Solid", "SurfaceAnalysis", "SurfacePoints", "Torus", "VolumePoints", "analyze", "halftone", "mask", "sample"]
 
 # Modules that are loaded when one of their names is first used.
 _MODULES = {"Analysis": "_analysis", "analyze": "_analysis", "Client": "client", "DevicePicture": "_halftone",
             "Halftone": "_halftone", "halftone": "_halftone", "Points": "_sample", "mask": "_sample",
-            "SurfacePoints": "_sample", "VolumePoints": "_sample", "sample": "_sample"}
+            "SurfaceAnalysis": "_analysis", "SurfacePoints": "_sample", "VolumePoints": "_sample", "sample": "_sample"}
 
 
 def __getattr__(name: str) -> Any:

@@ -104,9 +104,10 @@ class SurfaceOptions(TypedDict, total=False):
 
 
 class VolumeOptions(TypedDict, total=False):
-    """Options of :func:`ccdt.sample` for a domain in space."""
+    """Options of :func:`ccdt.sample` for a domain in space. Only solids have creases."""
 
     fixed: Any
+    crease: float
     quality: str
     mesh: bool
     order: str

@@ -234,7 +234,7 @@ def sample(domain: Any, sites: Any = None, *, density: Any = None, seed: int = 0
         threads: number of threads; by default all processors. Results do not depend on it.
         progress: function that receives the completed share of the work, 0 to 1.
         **options: see api/README.md: ``holes``, ``fixed``, ``avoid``, ``buffer``, ``coordinates``, ``quality``,
-            ``order``, ``mesh``, ``method`` and others; for a surface also ``crease``. Options that are None are left
+            ``order``, ``mesh``, ``method`` and others; for a mesh also ``crease``. Options that are None are left
             out.
 
     Returns:
@@ -247,7 +247,11 @@ def sample(domain: Any, sites: Any = None, *, density: Any = None, seed: int = 0
     """
     if isinstance(domain, Mesh) or is_mesh_file(domain):
         check_names("sample", options, SurfaceOptions)
-        return _sample_surface(domain, {"sites": sites, "density": density, "seed": seed, **options}, threads, progress)
+        mesh, texts = surface_request(domain, {"sites": sites, "density": density, "seed": seed, **options})
+        surface = Kept(_core.SurfaceSample, mesh, [*texts.items(), ("format", "npy")])
+        placed = surface.run(threads, progress)
+        return SurfacePoints._on(surface, npy_array(placed.write("npy", running(threads))), domain, placed.has_colors,
+                                 placed.has_texture, texts.get("order") == "progressive")
     if is_in_space(domain):
         check_names("sample", options, VolumeOptions)
         body, texts = volume_request(domain, {"sites": sites, "density": density, "seed": seed, **options})
@@ -264,15 +268,6 @@ def sample(domain: Any, sites: Any = None, *, density: Any = None, seed: int = 0
     names = ((("rank",) if options.get("order") == "progressive" else ())
              + (("feature", "class") if table.shape[1] - 2 > (options.get("order") == "progressive") else ()))
     return Points._of(kept, table, domain, names[:table.shape[1] - 2])
-
-
-def _sample_surface(domain: Any, members: Dict[str, Any], threads: Optional[int], progress: Progress) -> SurfacePoints:
-    mesh, texts = surface_request(domain, members)
-    kept = Kept(_core.SurfaceSample, mesh, [*texts.items(), ("format", "npy")])
-    result = kept.run(threads, progress)
-    table = npy_array(result.write("npy", running(threads)))
-    return SurfacePoints._on(kept, table, domain, result.has_colors, result.has_texture,
-                             texts.get("order") == "progressive")
 
 
 def mask(width: int, height: Optional[int] = None, depth: Optional[int] = None, *, seed: int = 0, bits: int = 8,

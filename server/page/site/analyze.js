@@ -19,8 +19,9 @@ const whitest = 2.5;  // power at and above which pixels are white
  * projected points in the largest square inside the shape, relative to its lower left corner. For points on a surface,
  * returns the file of the mesh instead of a domain.
  */
-function windowOf({ points, shape, outline, places }) {
+function windowOf({ points, shape, surface, outline, places }) {
   if (shape.domain) return { points, domain: shape.domain };
+  if (shape.file?.mesh && !surface) throw new Error("Points inside a mesh cannot be measured");
   if (shape.file?.mesh) return { points, mesh: shape.file.mesh };
   const { x, y, side } = largestSquare(outline.rings);
   const inside = places.map(([px, py]) => [px - x, py - y])

@@ -243,12 +243,20 @@ export class Sample extends Panel {
     return this.shapeChoice.value === "mask";
   }
 
-  get isSurface() {
+  get isMesh() {
     return this.shapeChoice.value === "surface";
   }
 
-  get isVolume() {
+  get isSurface() {
+    return this.isMesh && !this.surfaceFields.values().domain;
+  }
+
+  get #hasDepth() {
     return Boolean(this.shape?.domain?.depth);
+  }
+
+  get isVolume() {
+    return this.#hasDepth || (this.isMesh && !this.isSurface);
   }
 
   get #isSpatial() {
@@ -355,7 +363,7 @@ export class Sample extends Panel {
   #takeDocument(file, counted = []) {
     const number = ++filesTaken;
     if (file.voxels) {
-      if (!this.isVolume) this.shapeChoice.value = "box";
+      if (!this.#hasDepth) this.shapeChoice.value = "box";
       this.shapeFields.put("volume", file.voxels);
       this.#takeSides();
       this.shape.file = { ...file, number };
@@ -411,7 +419,7 @@ export class Sample extends Panel {
   }
 
   #chosen() {
-    if (this.isSurface && !this.shape) return this.#chooseSample(this.#takeKnot());
+    if (this.isMesh && !this.shape) return this.#chooseSample(this.#takeKnot());
     this.#shapeChosen();
     this.note(true);
     this.refresh();
@@ -474,7 +482,7 @@ export class Sample extends Panel {
     this.find(".counts").hidden = kind !== "file";
     this.shapeFields.offer("coordinates", kind === "file" && this.shape?.mayBeDegrees);
     for (const [name, shape] of [["rectangle", "rectangle"], ["torus", "torus"], ["tile", "mask"], ["format", "mask"]]) this.shapeFields.offer(name, kind === shape);
-    this.shapeFields.offer("volume", this.isVolume);
+    this.shapeFields.offer("volume", this.#hasDepth);
     this.#stopDrawing();
     this.#tellOfShape(this.shape ? "" : "Choose or drop a GeoJSON file or a zipped shapefile");
     if (this.shape) this.#refit();
@@ -628,7 +636,7 @@ export class Sample extends Panel {
     const isFlat = !isSurface && !isVolume;
     this.fields.offer("sites", !isMap && !this.isMask);
     this.fields.offer("method", !isMap && !this.isMask && isFlat);
-    for (const { name } of surfaceFields) this.surfaceFields.offer(name, isSurface);
+    for (const { name } of surfaceFields) this.surfaceFields.offer(name, name === "density" ? isSurface : this.isMesh);
     this.fields.offer("quality", !this.isMask);
     if (this.isMask) this.offerDownloads(masks, "mask");
     else if (!isFlat) this.offerDownloads((isVolume ? volumes : surfaces).formats, "points", Object.keys(this.options()));
@@ -693,11 +701,11 @@ export class Sample extends Panel {
   async #showSurface(frame) {
     const { SurfaceView, sceneOf } = await import("./surface_view.js");
     const { domain, file } = frame.shape;
-    const scene = domain ? (await import("./volume_scene.js")).volumeSceneOf(domain, frame) : sceneOf(frame.surface, frame);
+    const scene = frame.surface ? sceneOf(frame.surface, frame) : (await import("./volume_scene.js")).volumeSceneOf(domain, frame);
     if (frame !== this.#result) return;
     this.#surfaceView ??= new SurfaceView(this.find("canvas.of-surfaces"), this.find(".zoom.of-surfaces"));
     const isUpright = !domain && !/\.stl$/i.test(file.name);  // the z axis points up for volumes and STL files
-    this.#surfaceView.show(scene, { object: file ?? JSON.stringify(domain), isUpright, hasEdges: this.mesh.checked && !domain });
+    this.#surfaceView.show(scene, { object: file ?? JSON.stringify(domain), isUpright, hasEdges: this.mesh.checked && frame.surface });
     this.#showFirst();
   }
 
@@ -764,7 +772,7 @@ export class Sample extends Panel {
     this.find(".warnings").textContent = warnings.map(tell).join("; ");
     const place = this.find(".repairs");
     place.hidden = repaired.length === 0;
-    place.querySelector("summary").textContent = this.isSurface ? "Repaired" : `Repaired in ${count(repaired.length)} ${repaired.length === 1 ? "place" : "places"}`;
+    place.querySelector("summary").textContent = this.isMesh ? "Repaired" : `Repaired in ${count(repaired.length)} ${repaired.length === 1 ? "place" : "places"}`;
     const left = repaired.length - maxRepairs;
     const lines = repaired.slice(0, maxRepairs).map(tell);
     if (left > 0) lines.push(`and ${count(left)} more`);
@@ -796,7 +804,7 @@ export class Sample extends Panel {
   place(errors) {
     const isBody = this.shape !== null && isDocument(this.shape, this.options());
     const isOption = (pointer) => surfaces.options.includes(pointer.replace(/^\//, "").split("/")[0]);
-    const isAboutShape = ({ pointer }) => (this.isSurface ? !isOption(pointer) : isBody ? pointer === "" || pointer.startsWith("/") : /^\/?(polygon|holes|geometry|domain)/.test(pointer));
+    const isAboutShape = ({ pointer }) => (this.isMesh ? !isOption(pointer) : isBody ? pointer === "" || pointer.startsWith("/") : /^\/?(polygon|holes|geometry|domain)/.test(pointer));
     this.#tellOfShape(errors.filter(isAboutShape).map(({ detail }) => detail).join("; "));
     const others = errors.filter((error) => !isAboutShape(error));
     for (const part of [this.fields, this.shapeFields, this.surfaceFields, this.countFields, this.moreFields, this.fileFields, this.drawingFields, this.plotter]) part?.show(others);

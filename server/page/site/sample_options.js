@@ -32,8 +32,9 @@ export const shapeFields = [
   { kind: "choice", name: "format", label: "Thresholds", choices: masks.filter(({ media_type: type }) => type === "image/png").map(({ name, title }) => [name, title]) },
 ];
 
-/** Fields for the options that only surfaces have. */
+/** Fields for the options that only meshes have. */
 export const surfaceFields = [
+  { kind: "choice", name: "domain", label: "Points", standard: "surface", choices: [["surface", "on the surface"], ["solid", "inside the mesh"]] },
   { kind: "choice", name: "density", label: "Density", standard: "uniform", choices: [["uniform", "uniform"], ["color", "by colour"], ["curvature", "by curvature"]],
     help: "By colour: points are denser where the vertices of the mesh are darker. By curvature: they are denser where the surface is bent." },
   { kind: "number", name: "crease", label: "Crease angle", value: 40, min: 5, max: 180, step: 1, auto: true, free: "none",

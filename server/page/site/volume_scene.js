@@ -29,21 +29,23 @@ function rodsAround(half) {
 }
 
 /**
- * Prepares points in a box whose corner is the origin; see `sceneOf` for surfaces. The points are not on a surface: their
- * discs face the viewer, hide each other, and fade with distance.
+ * Prepares points in a box; see `sceneOf` for surfaces. The points are not on a surface: their discs face the viewer, hide
+ * each other, and fade with distance.
  *
- * @param domain  {width, height, depth}
+ * @param domain  {width, height, depth}: the box from the origin; undefined: the bounding box of the points
  * @param answer  {points, rank}; `rank` is optional
  */
-export function volumeSceneOf({ width, height, depth }, { points, rank }) {
-  const sides = [width, height, depth];
-  const scale = 1 / Math.hypot(...sides);
+export function volumeSceneOf(domain, { points, rank }) {
+  const [low, high] = domain ? [[0, 0, 0], [domain.width, domain.height, domain.depth]]
+    : [Math.min, Math.max].map((most) => points.reduce((a, b) => a.map((value, axis) => most(value, b[axis]))));
+  const sides = high.map((value, axis) => value - low[axis]);
+  const scale = 1 / (Math.hypot(...sides) || 1);
   const places = new Float32Array(3 * points.length);
-  points.forEach((point, index) => places.set(point.map((value, axis) => scale * (value - sides[axis] / 2)), 3 * (rank?.[index] ?? index)));
+  points.forEach((point, index) => places.set(point.map((value, axis) => scale * (value - low[axis] - sides[axis] / 2)), 3 * (rank?.[index] ?? index)));
   return {
     ...rodsAround(sides.map((side) => (scale * side) / 2)),
     points: places, pointNormals: new Float32Array(places.length),
-    pitch: scale * Math.cbrt((width * height * depth) / Math.max(points.length, 1)),
+    pitch: scale * Math.cbrt((sides[0] * sides[1] * sides[2]) / Math.max(points.length, 1)),
     isFree: true,
   };
 }

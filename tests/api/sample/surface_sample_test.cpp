@@ -14,7 +14,6 @@
 #include "api/image/png_writer.h"
 #include "api/image/srgb.h"
 #include "api/operation/parsed_request.h"
-#include "api/sample/surface_parser.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/surfaces.h"
 
@@ -38,7 +37,7 @@ Result<Answer> answer(const TriangleSoup& soup, std::vector<TextOption> options,
     const auto request = parse_surface(SurfaceFile{}, options, "", {});
     if (!request) return tl::make_unexpected(request.error());
     Timings timings;
-    return run_surface(*request, decode_to(soup, ignored), control, timings);
+    return run_in_space(*request, decode_to(soup, ignored), control, timings);
 }
 
 Json json_of(const Result<Answer>& result) {

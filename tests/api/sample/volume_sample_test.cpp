@@ -16,7 +16,6 @@
 
 #include "api/operation/parsed_request.h"
 #include "api/output/npy_header.h"
-#include "api/sample/volume_parser.h"
 
 namespace ccdt::api {
 namespace {
@@ -258,6 +257,9 @@ TEST(VolumeSample, NamesTheFieldOfErrors) {
         {box("1e-308"), {}, ErrorCode::Unusable, "/domain"},
         {box("1,\"x\":1"), {}, ErrorCode::Malformed, "/domain/x"},
         {json(R"("domain":{"type":"box","width":1})"), {}, ErrorCode::Malformed, "/domain"},
+        {json(R"("domain":"torus","width":1,"height":1)"), {}, ErrorCode::Malformed, "/domain"},
+        {json(kBox + R"(,"depth":1)"), {}, ErrorCode::Malformed, "/domain"},
+        {json(kBox + R"(,"crease":45)"), {}, ErrorCode::Malformed, "/crease"},
         {json(kBox + R"(,"fixed":[[1,0.5,0.5],[1,2,0.5]])"), {}, ErrorCode::Malformed, "/fixed/1"},
         {json(kBox + R"(,"fixed":[[1,0.5]])"), {}, ErrorCode::Malformed, "/fixed/0"},
         {json(kBox + R"(,"quality":"stealthy")"), {}, ErrorCode::Malformed, "/quality"},
@@ -283,8 +285,9 @@ TEST(VolumeSample, NamesTheFieldOfErrors) {
         {voxels, {{"sites", "9"}, {"domain", "solid"}}, ErrorCode::Malformed, "domain"},
         {voxels, {{"sites", "9"}, {"domain", "ball"}}, ErrorCode::Malformed, "domain"},
         {voxels, {{"sites", "9"}, {"width", "0"}}, ErrorCode::Malformed, "width"},
+        {voxels, {{"sites", "9"}, {"crease", "45"}}, ErrorCode::Malformed, "crease"},
         {voxels, {{"sites", "9"}, {"fixed", "[[9,0,0]]"}}, ErrorCode::Malformed, "fixed/0"},
-        {voxels, {{"sites", "9"}, {"quality", "stealthy"}, {"domain", "torus"}}, ErrorCode::Malformed, "quality"},
+        {voxels, {{"sites", "32"}, {"quality", "stealthy"}, {"domain", "torus"}}, ErrorCode::Malformed, "quality"},
         {voxels, {{"sites", "9"}, {"domain", "{"}}, ErrorCode::Malformed, "domain"},
         {cube_file(), {{"sites", "9"}, {"domain", "solid"}, {"density", "{"}}, ErrorCode::Malformed, "density"},
         {voxels, {{"sites", "9"}, {"density", voxels}}, ErrorCode::Malformed, "density"},
@@ -307,6 +310,31 @@ TEST(VolumeSample, NamesTheFieldOfErrors) {
     const auto many = answer(voxels, sites, {}, {.max_pixels = 1});
     ASSERT_FALSE(many);
     EXPECT_EQ(many.error().code, ErrorCode::LimitExceeded);
+}
+
+TEST(VolumeSample, TakesTheSidesOfAWordInJson) {
+    const auto points = [](const std::string& domain) {
+        return json_of(answer("{\"sites\":20,\"quality\":\"draft\"," + domain + '}')).at("points");
+    };
+    EXPECT_EQ(points(R"("domain":"torus","width":2,"height":1,"depth":1)"), points(kTorus));
+    EXPECT_EQ(points(R"("domain":"box","width":2,"height":1,"depth":1)"), points(kBox));
+}
+
+TEST(VolumeSample, TakesEqualVoxelsForAUniformDensity) {
+    const std::vector<TextOption> options = {{"sites", "32"}, {"quality", "stealthy"}, {"domain", "torus"}};
+    const Json json = json_of(answer(npy_of<double>("<f8", {1, 1, 2}, {3, 3}), options));
+    EXPECT_EQ(json.at("points"),
+              json_of(answer("{\"sites\":32,\"quality\":\"stealthy\"," + kTorus + '}')).at("points"));
+}
+
+TEST(VolumeSample, PutsEdgesOfTetrahedraAlongCreases) {
+    const auto vertices = [](const std::string& crease) {
+        return json_of(answer(cube_file(), {{"sites", "30"}, {"domain", "solid"}, {"mesh", "1"}, {"crease", crease}}))
+            .at("mesh")
+            .at("vertices");
+    };
+    EXPECT_EQ(vertices("45"), vertices("89"));
+    EXPECT_NE(vertices("45"), vertices("91"));
 }
 
 TEST(VolumeSample, AcceptsExtremeSidesAndFewSites) {

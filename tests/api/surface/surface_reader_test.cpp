@@ -302,6 +302,11 @@ TEST(SurfaceReader, ReportsPicturesThatCannotBeRead) {
         "the embedded texture 0 cannot be read: the image has 2 x 2 pixels; this server's limit (max-pixels) is 3");
     EXPECT_EQ(error(glb(textured_gltf(R"("uri":"wood%20planks.png")"), square_buffer() + std::string(32, '\0'))),
               "the texture wood%20planks.png is in another file; embed it, for example in a GLB");
+    EXPECT_EQ(error(glb(textured_gltf(R"("uri":"data:image/png;base64,")"), square_buffer() + std::string(32, '\0'))),
+              "a texture is empty");
+    std::string without_coordinates = textured_glb(png);
+    without_coordinates.replace(without_coordinates.find("TEXCOORD_0"), 10, "_COORDINAT");
+    EXPECT_EQ(error(without_coordinates), "a texture has no coordinates (TEXCOORD_0)");
 }
 
 TEST(SurfaceReader, ReadsTextureCoordinatesOfObj) {

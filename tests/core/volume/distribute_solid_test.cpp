@@ -193,21 +193,9 @@ TEST(DistributeInSolid, FillsTheSolidWithTetrahedra) {
 
 TEST(DistributeInSolid, StopsWithTheCurrentPoints) {
     const Solid ball = solid_of(test::sphere_surface(2));
-    for (const int steps : {0, 9, 19}) {
-        std::stop_source source;
-        int calls = 0;
-        Control control{.stop = source.get_token()};
-        control.progress = [&](const Progress&) {
-            if (calls++ == steps) source.request_stop();
-        };
-        const auto result =
-            distribute_in_solid(ball, VoxelDensity::uniform(), {.sites = 500, .keep_mesh = true}, control);
-        ASSERT_TRUE(result);
-        EXPECT_TRUE(result->stopped);
-        EXPECT_EQ(result->points.size(), 500u);
-        EXPECT_FALSE(result->mesh);
-        EXPECT_EQ(calls, steps + 1);
-    }
+    test::expect_stops({0, 9, 19}, [&](const VolumeOptions& options, const Control& control) {
+        return distribute_in_solid(ball, VoxelDensity::uniform(), options, control);
+    });
 }
 
 TEST(DistributeInSolid, RejectsOptionsOutOfRange) {

@@ -133,6 +133,8 @@ void show_points() {
     print(ccdt::progressive_order(ccdt::Torus{2, 1}, uniform.points, true));
     begin("analysis");
     print(ccdt::analyze(uniform.points, ccdt::Torus{2, 1}));
+    begin("analysis in space");
+    print(ccdt::analyze({{0, 0, 0}, {0.5, 0.5, 0}, {0.5, 0, 0.5}, {0, 0.5, 0.5}}, ccdt::Torus3{1, 1, 1}));
     begin("repairs");
     std::printf("%zu", ccdt::sample(kCrossing, 10).repairs.size());
 }
@@ -257,6 +259,14 @@ void show_failures(const Pixels& pixels) {
         {"analysis outside",
          [] {
              ccdt::analyze({{0.5, 0.5}, {3, 0.2}}, ccdt::Torus{1, 1});
+         }},
+        {"analysis of a solid",
+         [] {
+             ccdt::analyze({{0.5, 0.5, 0.5}, {0.2, 0.2, 0.2}}, ccdt::Solid());
+         }},
+        {"analysis of nan in space",
+         [] {
+             ccdt::analyze({{0.5, 0.5, 0.5}, {kNan, 0.2, 0.2}}, ccdt::Box3{1, 1, 1});
          }},
         {"analysis of nan",
          [] {

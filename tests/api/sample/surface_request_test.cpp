@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/sample/surface_parser.h"
+#include "api/sample/surface_sample.h"
 
 #include <gtest/gtest.h>
 
