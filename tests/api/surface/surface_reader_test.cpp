@@ -112,7 +112,7 @@ TEST(SurfaceReader, KeepsTheOrderOfFacesInGroupsAndMaterials) {
         "4\n"
         "o a\nusemtl red\nf 1 4 2\ng x y\ns 1\nf 2 3 4\n";
     const std::vector<Point3> v{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    for (const std::string_view end : {"\n", "\r\n", "\r", "\f", std::string_view("\0", 1)}) {
+    for (const auto end : std::to_array<std::string_view>({"\n", "\r\n", "\r", "\f", {"\0", 1}})) {
         std::string text;
         for (const char c : file) c == '\n' ? text += end : text += c;
         const auto contents = read(text);
