@@ -13,14 +13,7 @@ namespace ccdt {
 namespace {
 
 constexpr int kWidth = 12;               // width of the kernel, in cells
-constexpr double kSteepness = 2.3;       // per cell of width; optimal for twice the resolution
 constexpr std::size_t kPerPoll = 16384;  // points between polls of the stop token
-
-/// Returns the kernel at a distance from its centre, in cells, of at most kWidth / 2.
-double kernel(double distance) {
-    const double share = 2 * distance / kWidth;
-    return std::exp(kSteepness * kWidth * (std::sqrt(std::max(0.0, 1 - share * share)) - 1));
-}
 
 double grid_side(double highest) {
     return std::max(4 * highest, 2.0 * kWidth);
@@ -28,20 +21,8 @@ double grid_side(double highest) {
 
 /// Returns the reciprocal of the kernel's Fourier transform, at frequencies of 0 to `highest` per `cells` cells.
 std::vector<double> unspreading(int highest, int cells) {
-    // The error of the trapezoidal rule is the kernel's content at frequencies above 1 / kStep - 1/4 per cell, which is
-    // negligible.
-    constexpr int kSteps = 4 * kWidth / 2;
-    constexpr double kStep = 0.25;
-    std::array<double, kSteps> heights;
-    for (int s = 0; s < kSteps; ++s) heights[static_cast<std::size_t>(s)] = kernel(s * kStep);
     std::vector<double> result;
-    for (int k = 0; k <= highest; ++k) {
-        double sum = heights[0] / 2;
-        for (int s = 1; s < kSteps; ++s) {
-            sum += heights[static_cast<std::size_t>(s)] * std::cos(2 * std::numbers::pi * k * s * kStep / cells);
-        }
-        result.push_back(1 / (2 * kStep * sum));
-    }
+    for (int k = 0; k <= highest; ++k) result.push_back(1 / semicircle_spectrum<kWidth>(k, cells));
     return result;
 }
 
@@ -59,7 +40,7 @@ Footprint footprint_of(double position, int side) {
     for (int c = 0; c < kWidth; ++c) {
         const auto slot = static_cast<std::size_t>(c);
         footprint.cells[slot] = static_cast<std::size_t>((first + c + side) % side);
-        footprint.shares[slot] = kernel(first + c - centre);
+        footprint.shares[slot] = semicircle<kWidth>(first + c - centre);
     }
     return footprint;
 }

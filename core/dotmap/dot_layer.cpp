@@ -20,6 +20,7 @@
 #include "core/mesh/insertion.h"
 #include "core/mesh/insertion_steps.h"
 #include "core/mesh/inside.h"
+#include "core/polish/push.h"
 
 namespace ccdt {
 
@@ -286,8 +287,7 @@ void DotLayer::push_apart(double reach, double push, std::span<const Point> push
             const Point by = pushed.empty() ? Point{} : 1 / scale() * pushed[dot];
             moves_[dot] = by + push_off_neighbours(dot, reach, push);
             if (others_) moves_[dot] = moves_[dot] + push_off_others(dot, reach, push);
-            const double longest = kMaxPush * radii_[dot], squared = ccdt::dot(moves_[dot], moves_[dot]);
-            if (squared > longest * longest) moves_[dot] = (longest / std::sqrt(squared)) * moves_[dot];
+            moves_[dot] = capped(moves_[dot], kMaxPush * radii_[dot]);
         }
     });
     if (!stopping()) apply();
@@ -306,7 +306,8 @@ Point DotLayer::push_off_neighbours(std::uint32_t dot, double reach, double push
             const double squared = ccdt::dot(along, along);
             // If the neighbour is fixed, the dot moves the whole distance.
             const double share = mesh().is_free(other) ? radii_[dot] / both : 1;
-            if (squared < least * least) moved = moved - 2 * push * share * (least / std::sqrt(squared) - 1) * along;
+            if (squared < least * least)
+                moved = moved - PairPush{least, 2 * push * share}.move(along, std::sqrt(squared));
         }
         h = mesh().twin(Triangulation::previous(h));
     } while (h != first);
@@ -315,15 +316,10 @@ Point DotLayer::push_off_neighbours(std::uint32_t dot, double reach, double push
 
 /// Returns the move of a dot caused by fixed points without a vertex.
 Point DotLayer::push_off_others(std::uint32_t dot, double reach, double push) const {
-    Point moved;
     const double least = 2 * reach * radii_[dot];
-    others_->for_near(mesh().point(dot), least, [&](Point place, std::uint32_t) {
-        const Point along = mesh().point(dot) - place;
-        const double squared = ccdt::dot(along, along);
-        if (squared >= least * least || squared == 0) return;
-        moved = moved + 2 * push * (least / std::sqrt(squared) - 1) * along;
+    return pushed_off(*others_, mesh().point(dot), least, {}, [&](std::uint32_t, double) {
+        return PairPush{least, 2 * push};
     });
-    return moved;
 }
 
 /// Creates the transport. Excess does not flow between dots whose densities differ by more than a factor of 2, because

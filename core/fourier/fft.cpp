@@ -139,10 +139,8 @@ struct RealTransform::Grids {
     Buffer<std::complex<double>> spectrum;  ///< [kept * rows], or the spare memory
 };
 
-RealTransform::RealTransform(int columns, int rows, Executor& executor, std::size_t spare)
-    : grids_(std::make_unique<Grids>(std::array{columns, rows, 1}, executor, spare)) {}
-RealTransform::RealTransform(const std::array<int, 3>& columns_rows_layers, Executor& executor)
-    : grids_(std::make_unique<Grids>(columns_rows_layers, executor, 0)) {}
+RealTransform::RealTransform(const std::array<int, 3>& cells, Executor& executor, std::size_t spare)
+    : grids_(std::make_unique<Grids>(cells, executor, spare)) {}
 RealTransform::RealTransform(RealTransform&&) noexcept = default;
 RealTransform& RealTransform::operator=(RealTransform&&) noexcept = default;
 RealTransform::~RealTransform() = default;
@@ -207,10 +205,8 @@ struct CosineTransform::Grids {
     Buffer<double> grid;  ///< [width * rows], and the spare memory
 };
 
-CosineTransform::CosineTransform(int columns, int rows, Executor& executor, std::size_t spare)
-    : grids_(std::make_unique<Grids>(std::array{columns, rows, 1}, executor, spare)) {}
-CosineTransform::CosineTransform(const std::array<int, 3>& columns_rows_layers, Executor& executor)
-    : grids_(std::make_unique<Grids>(columns_rows_layers, executor, 0)) {}
+CosineTransform::CosineTransform(const std::array<int, 3>& cells, Executor& executor, std::size_t spare)
+    : grids_(std::make_unique<Grids>(cells, executor, spare)) {}
 CosineTransform::CosineTransform(CosineTransform&&) noexcept = default;
 CosineTransform& CosineTransform::operator=(CosineTransform&&) noexcept = default;
 CosineTransform::~CosineTransform() = default;

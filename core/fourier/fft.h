@@ -21,15 +21,16 @@ int good_size(double least);
 /// one thread at a time may use an object. Throws std::bad_alloc. O(n log n) for n cells, 16 bytes per cell.
 class RealTransform {
 public:
-    /// @param columns, rows  >= 1; see good_size()
-    /// @param executor       runs the transforms; must outlive this
-    /// @param spare          least size of spare(), as a count of numbers
+    /// @param cells     columns, rows and layers, each >= 1; see good_size(). A grid in space consists of `layers`
+    /// grids
+    ///                  of columns * rows cells, one after the other. The sums below then also run over the layers, and
+    ///                  their exponents have a third term.
+    /// @param executor  runs the transforms; must outlive this
+    /// @param spare     least size of spare(), as a count of numbers
     ///
     /// All cells are 0 at first.
-    RealTransform(int columns, int rows, Executor& executor = inline_executor(), std::size_t spare = 0);
-    /// Transforms a grid in space: `layers` grids of columns * rows cells, one after the other. The sums below then
-    /// also run over the layers, and their exponents have a third term.
-    RealTransform(const std::array<int, 3>& columns_rows_layers, Executor& executor);
+    explicit RealTransform(const std::array<int, 3>& cells, Executor& executor = inline_executor(),
+                           std::size_t spare = 0);
     RealTransform(RealTransform&&) noexcept;
     RealTransform& operator=(RealTransform&&) noexcept;
     ~RealTransform();
@@ -68,15 +69,15 @@ private:
 /// its border. The guarantees of RealTransform hold. 8 bytes per cell.
 class CosineTransform {
 public:
-    /// @param columns, rows  >= 1; see good_size()
-    /// @param executor       runs the transforms; must outlive this
-    /// @param spare          least size of spare(), as a count of numbers; 0, or at least the number of cells
+    /// @param cells     as in RealTransform. In space, the sum of forward() has a third cosine, and the factors 4
+    /// become
+    ///                  8.
+    /// @param executor  runs the transforms; must outlive this
+    /// @param spare     least size of spare(), as a count of numbers; 0, or at least the number of cells
     ///
     /// All cells are 0 at first.
-    CosineTransform(int columns, int rows, Executor& executor = inline_executor(), std::size_t spare = 0);
-    /// Transforms a grid in space: `layers` grids of columns * rows cells, one after the other. The sum of forward()
-    /// then also runs over the layers and has a third cosine, and the factors 4 become 8.
-    CosineTransform(const std::array<int, 3>& columns_rows_layers, Executor& executor);
+    explicit CosineTransform(const std::array<int, 3>& cells, Executor& executor = inline_executor(),
+                             std::size_t spare = 0);
     CosineTransform(CosineTransform&&) noexcept;
     CosineTransform& operator=(CosineTransform&&) noexcept;
     ~CosineTransform();

@@ -26,4 +26,12 @@ inline double along(const Point3& p, std::size_t axis) {
     return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
 }
 
+/// Returns the point whose coordinate along each axis is function(axis).
+template <class P, class Function>
+P by_axis(Function&& function) {
+    const auto at = [&](int axis) { return function(static_cast<std::size_t>(axis)); };
+    if constexpr (kAxes<P> == 2) return {at(0), at(1)};
+    if constexpr (kAxes<P> == 3) return {at(0), at(1), at(2)};
+}
+
 }  // namespace ccdt

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <numbers>
 
 #include "core/geometry/pair.h"
 
@@ -40,6 +43,36 @@ CCDT_INLINE inline std::array<Number, kDegree + 1> b_spline(Number f) {
         const Number g = 1.0 - f;
         return {outer(f), inner(f), middle(f), middle(g), inner(g), outer(g)};
     }
+}
+
+/// Steepness of semicircle(), per cell of width; optimal for twice the resolution.
+inline constexpr double kSteepness = 2.3;
+
+/// Returns the "exponential of semicircle" at a distance of at most kWidth / 2 cells from its centre.
+/// Source: Barnett, Magland, af Klinteberg 2019.
+template <int kWidth>
+double semicircle(double distance) {
+    const double share = 2 * distance / kWidth;
+    return std::exp(kSteepness * kWidth * (std::sqrt(std::max(0.0, 1 - share * share)) - 1));
+}
+
+/// Returns the Fourier transform of semicircle() at a frequency of `periods` per `cells` cells.
+template <int kWidth>
+double semicircle_spectrum(double periods, int cells) {
+    // The error of the trapezoidal rule is the kernel's content at frequencies above 1 / kStep - 1/2 per cell, which is
+    // negligible.
+    constexpr int kSteps = 4 * kWidth / 2;
+    constexpr double kStep = 0.25;
+    double sum = semicircle<kWidth>(0) / 2;
+    for (int s = 1; s < kSteps; ++s)
+        sum += semicircle<kWidth>(s * kStep) * std::cos(2 * std::numbers::pi * periods * s * kStep / cells);
+    return 2 * kStep * sum;
+}
+
+/// Returns sin(pi x) / (pi x), or 1 for x = 0: the Fourier transform of an interval of length 1 at the frequency x.
+inline double sinc(double x) {
+    const double angle = std::numbers::pi * x;
+    return angle == 0 ? 1 : std::sin(angle) / angle;
 }
 
 /// Calls spread(row, column, factor * y[row] * x[column]) for all taps.

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -11,6 +10,7 @@
 
 #include "core/parallel/executor.h"
 #include "core/polish/graph_solver.h"
+#include "core/polish/push.h"
 
 namespace ccdt {
 
@@ -45,8 +45,7 @@ public:
                     const double flow = conductance * (potential_[to] - potential_[v]);
                     move = move + (flow / 2) * (mesh.point(to) - mesh.point(v));
                 }
-                const double longest = kMaxMove * spacings[v], distance = std::sqrt(dot(move, move));
-                moves[v] = distance > longest ? (longest / distance) * move : move;
+                moves[v] = capped(move, kMaxMove * spacings[v]);
             }
         });
     }

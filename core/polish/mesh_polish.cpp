@@ -9,6 +9,7 @@
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/geometry/predicates.h"
 #include "core/mesh/edge_list.h"
+#include "core/polish/push.h"
 
 namespace ccdt {
 
@@ -285,7 +286,7 @@ void MeshPolish::push_apart(Triangulation& mesh, double reach, double push, std:
         // they also turn around each other.
         const bool turns = !domain_.is_box() && squared < kStuck * kStuck * least * least;
         const Point way = turns ? Point{along.x - along.y, along.x + along.y} : along;
-        const Point by = push * (least / std::sqrt(squared) - 1) * way;
+        const Point by = PairPush{least, push}.move(way, std::sqrt(squared));
         // If one of the two sites is fixed, the other site moves the whole way.
         moves_[a] = moves_[a] - (mesh.is_free(b) ? 1 : 2) * by;
         moves_[b] = moves_[b] + (mesh.is_free(a) ? 1 : 2) * by;
@@ -299,9 +300,7 @@ void MeshPolish::push_apart(Triangulation& mesh, double reach, double push, std:
     if (others_) push_off_others(mesh, half_reach, push);
     for_ranges(executor_, moves_.size(), kSites, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v) {
-            const double longest = kMaxPush * spacing_of(static_cast<std::uint32_t>(v)),
-                         length = std::sqrt(dot(moves_[v], moves_[v]));
-            if (length > longest) moves_[v] = (longest / length) * moves_[v];
+            moves_[v] = capped(moves_[v], kMaxPush * spacing_of(static_cast<std::uint32_t>(v)));
         }
     });
     if (!domain_.is_box()) {
@@ -319,11 +318,8 @@ void MeshPolish::push_off_others(const Triangulation& mesh, double half_reach, d
     for (std::uint32_t v = 0; v < mesh.free_count(); ++v) {
         const double least = 2 * half_reach * spacing_of(v);
         const Point site = mesh.is_torus() ? wrapped(mesh.point(v), sides) : mesh.point(v);
-        others_->for_near(site, least, [&](Point place, std::uint32_t) {
-            const Point along = site - place;
-            const double squared = dot(along, along);
-            if (squared >= least * least || squared == 0) return;
-            moves_[v] = moves_[v] + 2 * push * (least / std::sqrt(squared) - 1) * along;
+        moves_[v] = pushed_off(*others_, site, least, moves_[v], [&](std::uint32_t, double) {
+            return PairPush{least, 2 * push};
         });
     }
 }

@@ -11,7 +11,7 @@ namespace ccdt {
 namespace {
 
 constexpr double kTau = 2 * std::numbers::pi;
-constexpr double kCells = 5;    ///< cells of the spline grid per cycle of the highest frequency; see SplineGrid
+constexpr double kCells = 5;    ///< cells of the grid per cycle of the highest frequency; see SplineKernel
 constexpr double kMinRows = 4;  ///< least width of a torus, in spacings
 /// Conjugate gradients of a round end once the remainder of F (see Stealth) is this small, relative to F. The next
 /// round, a step of Newton's method, squares the remainder.
@@ -49,14 +49,14 @@ Stealth::Stealth(const Domain& torus, std::size_t sites, Executor& executor)
       sites_(static_cast<double>(sites)),
       transform_(highest(end_of(torus, sites), sides_.x), highest(end_of(torus, sites), sides_.y)),
       positions_(sites),
-      grid_(true, sides_, cells_for(end_of(torus, sites), sides_.x), cells_for(end_of(torus, sites), sides_.y),
+      grid_(true, sides_, {cells_for(end_of(torus, sites), sides_.x), cells_for(end_of(torus, sites), sides_.y), 1},
             executor) {
     const double end = end_of(torus, sites);
     const int columns = highest(end, sides_.x), rows = highest(end, sides_.y);
     for (int row = -rows; row <= rows; ++row) {
         for (int column = 0; column <= columns; ++column) {
             if (column == 0 && row <= 0) continue;
-            const Point f = grid_.frequency(column, row);
+            const Point f = grid_.frequency({column, row, 0});
             const double squared = dot(f, f);
             if (squared < end * end) waves_.push_back({column, row, sites_ * kTau * kTau * squared});
         }
@@ -118,9 +118,9 @@ void Stealth::find_moves(const Coefficients& potential, std::span<const Point> s
             std::ranges::fill(spectrum, std::complex<double>());
             for (std::size_t k = 0; k < waves_.size(); ++k) {
                 const auto [column, row, diagonal] = waves_[k];
-                const auto value = potential[k] / grid_.window(column, row);
-                spectrum[grid_.number(column, row)] = value;
-                if (column == 0) spectrum[grid_.number(0, -row)] = std::conj(value);
+                const auto value = potential[k] / grid_.window({column, row, 0});
+                spectrum[grid_.number({column, row, 0})] = value;
+                if (column == 0) spectrum[grid_.number({0, -row, 0})] = std::conj(value);
             }
         }
     });
@@ -139,7 +139,7 @@ void Stealth::change_of(std::span<const Point> sites, std::span<const Point> mov
         if constexpr (std::is_same_v<typename decltype(spectrum)::value_type, std::complex<double>>) {
             for (std::size_t k = 0; k < waves_.size(); ++k) {
                 const auto [column, row, diagonal] = waves_[k];
-                change[k] = spectrum[grid_.number(column, row)] / grid_.window(column, row);
+                change[k] = spectrum[grid_.number({column, row, 0})] / grid_.window({column, row, 0});
             }
         }
     });

@@ -11,7 +11,7 @@
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
 #include "core/parallel/executor.h"
-#include "core/polish/spline_grid.h"
+#include "core/polish/wave_grid.h"
 
 namespace ccdt {
 
@@ -77,7 +77,7 @@ private:
     std::vector<Wave> waves_;  ///< one wave of each pair k, -k
     NonuniformTransform transform_;
     std::vector<WeightedPoint> positions_;  ///< [sites] positions relative to the torus' sides
-    SplineGrid grid_;
+    WaveGrid grid_;
     double largest_power_ = 0;
     Coefficients sums_;  ///< F(k) of each wave
 };

@@ -2,12 +2,12 @@
 #include "core/volume/near_push.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <numeric>
 #include <vector>
 
 #include "core/polish/cell_list.h"
+#include "core/polish/push.h"
 #include "core/volume/box_domain3.h"
 #include "core/volume/solid_domain.h"
 
@@ -59,23 +59,15 @@ double push_apart(const Domain& domain, const VolumeSpacing& spacing, std::span<
         for (std::size_t i = begin; i < end && !stop.stop_requested(); ++i) {
             const Point3 p = sites[i];
             const double own = reach * spacing.densest(p), range = ratio * own;
-            Point3 move;
-            cells.for_near(p, range, [&](Point3 q, std::uint32_t number) {
-                const Point3 away = p - q;
-                const double squared = dot(away, away);
-                if (!(squared < range * range) || number == i || squared == 0) return;
-                const double distance = std::sqrt(squared);
+            const Point3 move = pushed_off(cells, p, range, {}, [&](std::uint32_t number, double distance) {
                 const std::uint32_t other = numbers[number];
                 double wanted = spacing.is_uniform() ? own : (own + reach * spacing.densest(sites[other])) / 2;
                 if (other == i) wanted *= kLayers;
-                if (distance >= wanted) return;
                 least[begin / kSites] = std::min(least[begin / kSites], distance / wanted);
                 // A fixed site does not yield, so the other site moves twice as far.
-                const double part = other < free ? share : 2 * share;
-                move = move + (part * (wanted / distance - 1)) * away;
+                return PairPush{wanted, other < free ? share : 2 * share};
             });
-            const double longest = kMaxPush * own, size = length(move);
-            moved[i] = domain.moved(p, p + (size > longest ? longest / size : 1) * move);
+            moved[i] = domain.moved(p, p + capped(move, kMaxPush * own));
         }
     });
     if (!stop.stop_requested()) std::ranges::copy(moved, sites.begin());

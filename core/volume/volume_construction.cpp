@@ -79,7 +79,8 @@ public:
           spacing_(domain.box(), density, points_in_box(domain, options.sites + fixed.size()), executor_),
           schedule_(schedule_of(options.quality, options.quality == Quality::Stealthy && domain.periodic &&
                                                      density.is_uniform() && fixed.empty())),
-          transport_(domain, inside, spacing_, options.sites + fixed.size(), schedule_.waves > 0, executor_),
+          transport_(volume_transport(domain.box(), domain.volume(), inside, spacing_, options.sites + fixed.size(),
+                                      schedule_.waves > 0, executor_)),
           relaxation_(domain, density, spacing_, executor_) {
         sites_ = draw_start(domain, density, inside, options.sites + fixed.size(), options.seed);
         replace_nearest(fixed);
@@ -137,9 +138,20 @@ private:
             if (least >= kLeast) return;
         }
     }
+    /// Removes long waves. If they are to become negligible, returns the largest power that one had.
     double even_out() {
-        double power = 0;
-        if (!stopping()) within_density([&] { power = transport_.even_out(sites_, free_, control_.stop); });
+        constexpr std::size_t kSites = 512;  // per task
+        if (!transport_.measure(sites_, {}, control_.stop)) return 0;
+        const double power = schedule_.waves > 0 ? transport_.largest_power(static_cast<double>(sites_.size())) : 0;
+        std::vector<Point3> moves(free_);
+        const auto spacing = [&](Point3 p) { return spacing_.side(p); };
+        const std::span<const Point3> free = std::span(sites_).first(free_);
+        if (!transport_.find_moves(free, moves, spacing, control_.stop)) return 0;
+        within_density([&] {
+            for_ranges(executor_, free_, kSites, [&](std::size_t begin, std::size_t end) {
+                for (std::size_t i = begin; i < end; ++i) sites_[i] = domain_.moved(sites_[i], sites_[i] + moves[i]);
+            });
+        });
         return power;
     }
 
@@ -182,7 +194,7 @@ private:
     std::size_t free_;
     VolumeSpacing spacing_;
     Schedule schedule_;
-    VolumeTransport<Domain> transport_;
+    OctaveTransport<Point3> transport_;
     BlockRelaxation<Domain> relaxation_;
     std::vector<Point3> sites_;  ///< sites, then fixed points
     std::vector<double> trace_;

@@ -57,7 +57,7 @@ TEST(GoodSize, RoundsUp) {
 }
 
 TEST(RealTransform, StartsWithZeros) {
-    RealTransform transform(6, 4);
+    RealTransform transform({6, 4, 1});
     EXPECT_EQ(transform.grid().size(), 24u);
     EXPECT_EQ(transform.spectrum().size(), 16u);
     for (const double value : transform.grid()) EXPECT_EQ(value, 0);
@@ -67,7 +67,7 @@ TEST(RealTransform, StartsWithZeros) {
 TEST(RealTransform, TransformsAnImpulseToAWave) {
     for (const auto& [columns, rows] : kSizes) {
         const int x = columns / 3, y = rows / 2;
-        RealTransform transform(columns, rows);
+        RealTransform transform({columns, rows, 1});
         transform.grid()[static_cast<std::size_t>(y * columns + x)] = 1;
         transform.forward();
         const int width = columns / 2 + 1;
@@ -83,7 +83,7 @@ TEST(RealTransform, TransformsAnImpulseToAWave) {
 
 TEST(RealTransform, FindsASingleWave) {
     constexpr int kColumns = 12, kRows = 10, kU = 3, kV = 2;
-    RealTransform transform(kColumns, kRows);
+    RealTransform transform({kColumns, kRows, 1});
     for (int y = 0; y < kRows; ++y) {
         for (int x = 0; x < kColumns; ++x) {
             transform.grid()[static_cast<std::size_t>(y * kColumns + x)] =
@@ -103,7 +103,7 @@ TEST(RealTransform, FindsASingleWave) {
 
 TEST(RealTransform, RoundTripsUpToTheNumberOfCells) {
     for (const auto& [columns, rows] : kSizes) {
-        RealTransform transform(columns, rows);
+        RealTransform transform({columns, rows, 1});
         const auto values = noise(transform.grid().size());
         std::ranges::copy(values, transform.grid().begin());
         transform.forward();
@@ -115,7 +115,7 @@ TEST(RealTransform, RoundTripsUpToTheNumberOfCells) {
 }
 
 TEST(RealTransform, KeepsTheGridInTheForwardTransform) {
-    RealTransform transform(12, 10);
+    RealTransform transform({12, 10, 1});
     const auto values = noise(120);
     std::ranges::copy(values, transform.grid().begin());
     transform.forward();
@@ -123,10 +123,10 @@ TEST(RealTransform, KeepsTheGridInTheForwardTransform) {
 }
 
 TEST(RealTransform, KeepsItsContentsWhenMoved) {
-    RealTransform first(4, 4);
+    RealTransform first({4, 4, 1});
     first.grid()[0] = 3;
     RealTransform second(std::move(first));
-    first = RealTransform(2, 2);
+    first = RealTransform({2, 2, 1});
     second.forward();
     EXPECT_EQ(second.spectrum()[5], Complex(3));
     EXPECT_EQ(first.grid().size(), 4u);
@@ -144,15 +144,15 @@ TEST(RealTransform, IsClearedByARelease) {
         transform.backward();
         return transform.grid()[17];
     };
-    EXPECT_NEAR(rests(RealTransform(12, 10)) / 120, values[17], 1e-14);
-    EXPECT_NEAR(rests(CosineTransform(12, 10)) / 480, values[17], 1e-14);
+    EXPECT_NEAR(rests(RealTransform({12, 10, 1})) / 120, values[17], 1e-14);
+    EXPECT_NEAR(rests(CosineTransform({12, 10, 1})) / 480, values[17], 1e-14);
 }
 
 TEST(RealTransform, IsThreadSafe) {
     constexpr int kSide = 90;
     const auto values = noise(kSide * kSide);
     const auto transformed = [&] {
-        RealTransform transform(kSide, kSide);
+        RealTransform transform({kSide, kSide, 1});
         std::ranges::copy(values, transform.grid().begin());
         transform.forward();
         return std::vector<Complex>(transform.spectrum().begin(), transform.spectrum().end());
@@ -178,15 +178,16 @@ TEST(RealTransform, IsIdenticalOnAnyNumberOfThreads) {
     };
     for (const std::size_t size : {2, 3, 16}) {
         ThreadExecutor executor(size);
-        EXPECT_EQ(there_and_back(RealTransform(90, 100, executor)), there_and_back(RealTransform(90, 100)));
-        EXPECT_EQ(there_and_back(CosineTransform(90, 100, executor)), there_and_back(CosineTransform(90, 100)));
+        EXPECT_EQ(there_and_back(RealTransform({90, 100, 1}, executor)), there_and_back(RealTransform({90, 100, 1})));
+        EXPECT_EQ(there_and_back(CosineTransform({90, 100, 1}, executor)),
+                  there_and_back(CosineTransform({90, 100, 1})));
     }
 }
 
 TEST(CosineTransform, FindsASingleWave) {
     for (const auto& [columns, rows] : kSizes) {
         const int u = columns / 2, v = rows / 3;
-        CosineTransform transform(columns, rows);
+        CosineTransform transform({columns, rows, 1});
         for (int y = 0; y < rows; ++y) {
             for (int x = 0; x < columns; ++x) {
                 transform.grid()[static_cast<std::size_t>(y * columns + x)] =
@@ -208,7 +209,7 @@ TEST(CosineTransform, FindsASingleWave) {
 
 TEST(CosineTransform, TransformsAnImpulseToAWave) {
     constexpr int kColumns = 8, kRows = 5, kX = 3, kY = 4;
-    CosineTransform transform(kColumns, kRows);
+    CosineTransform transform({kColumns, kRows, 1});
     transform.grid()[kY * kColumns + kX] = 1;
     transform.forward();
     for (int v = 0; v < kRows; ++v) {
@@ -221,7 +222,7 @@ TEST(CosineTransform, TransformsAnImpulseToAWave) {
 
 TEST(CosineTransform, RoundTripsUpToFourTimesTheNumberOfCells) {
     for (const auto& [columns, rows] : kSizes) {
-        CosineTransform transform(columns, rows);
+        CosineTransform transform({columns, rows, 1});
         const auto values = noise(transform.grid().size());
         std::ranges::copy(values, transform.grid().begin());
         transform.forward();

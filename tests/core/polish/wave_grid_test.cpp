@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/polish/spline_grid.h"
+#include "core/polish/wave_grid.h"
 
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <span>
 #include <type_traits>
 #include <vector>
 
@@ -34,9 +35,18 @@ std::vector<Weighted> random_points(Point sides, std::size_t count) {
     return points;
 }
 
+void spread(WaveGrid& grid, Point p, double value) {
+    grid.spread(std::span(&p, 1), std::span(&value, 1));
+}
+
+Point gradient(const WaveGrid& grid, Point p) {
+    grid.gradients(std::span(&p, 1), std::span(&p, 1));
+    return p;
+}
+
 /// Returns the sum over points of value e^(-i 2 pi f.p). In a box, sums value cos(2 pi f_x x) cos(2 pi f_y y) over the
 /// four mirror images of each point.
-std::complex<double> direct_sum(const SplineGrid& grid, bool torus, const std::vector<Weighted>& points, Point f) {
+std::complex<double> direct_sum(const WaveGrid& grid, bool torus, const std::vector<Weighted>& points, Point f) {
     std::complex<double> sum;
     for (const auto& [p, value] : points) {
         if (torus) {
@@ -49,22 +59,22 @@ std::complex<double> direct_sum(const SplineGrid& grid, bool torus, const std::v
 }
 
 /// Returns the largest error of the documented frequencies, relative to the sum of the values' magnitudes.
-double largest_error(SplineGrid& grid, bool torus, const std::vector<Weighted>& points) {
+double largest_error(WaveGrid& grid, bool torus, const std::vector<Weighted>& points) {
     grid.clear();
     double magnitude = 0;
     for (const auto& [place, value] : points) {
-        grid.spread(place, value);
+        spread(grid, place, value);
         magnitude += grid.copies() * std::abs(value);
     }
     grid.transform();
     double largest = 0;
     std::size_t compared = 0;
     grid.with_coefficients([&](auto coefficients) {
-        grid.for_frequencies([&](std::size_t number, int i, int j) {
-            const Point f = grid.frequency(i, j);
+        grid.for_waves([&](std::size_t number, const WaveGrid::Wave& wave) {
+            const Point f = grid.frequency(wave);
             if (std::hypot(f.x * grid.cell().x, f.y * grid.cell().y) > kHighestFrequency) return;
             ++compared;
-            const std::complex<double> found = coefficients[number] / grid.window(i, j);
+            const std::complex<double> found = coefficients[number] / grid.window(wave);
             largest = std::max(largest, std::abs(found - direct_sum(grid, torus, points, f)) / magnitude);
         });
     });
@@ -72,49 +82,49 @@ double largest_error(SplineGrid& grid, bool torus, const std::vector<Weighted>& 
     return largest;
 }
 
-TEST(SplineGrid, SumsWavesOnATorus) {
+TEST(WaveGrid, SumsWavesOnATorus) {
     for (const Point sides : {Point{1, 1}, Point{1, 0.375}}) {
-        SplineGrid grid(true, sides, 32, 24);
+        WaveGrid grid(true, sides, {32, 24, 1});
         EXPECT_LT(largest_error(grid, true, random_points(sides, 1)), kError);
         EXPECT_LT(largest_error(grid, true, random_points(sides, 50)), kError);
     }
 }
 
-TEST(SplineGrid, SumsWavesInABox) {
+TEST(WaveGrid, SumsWavesInABox) {
     for (const Point sides : {Point{1, 1}, Point{0.375, 1}}) {
-        SplineGrid grid(false, sides, 32, 24);
+        WaveGrid grid(false, sides, {32, 24, 1});
         EXPECT_LT(largest_error(grid, false, random_points(sides, 1)), kError);
         EXPECT_LT(largest_error(grid, false, random_points(sides, 50)), kError);
     }
 }
 
-TEST(SplineGrid, SumsWavesOfPointsOnItsSides) {
+TEST(WaveGrid, SumsWavesOfPointsOnItsSides) {
     const Point sides{1, 0.75};
     const double below = std::nextafter(0.75, 0.0), most = std::nextafter(1.0, 0.0);
     const std::vector<Weighted> points{{{0, 0}, 1},     {{1, 0.75}, 1},     {{0, 0.75}, 2},      {{1, 0.3}, 0.5},
                                        {{0.2, 0}, 1.5}, {{most, below}, 1}, {{1e-300, below}, 1}};
     for (const bool torus : {true, false}) {
-        SplineGrid grid(torus, sides, 32, 24);
+        WaveGrid grid(torus, sides, {32, 24, 1});
         EXPECT_LT(largest_error(grid, torus, points), kError) << torus;
         for (const Weighted& point : points) EXPECT_LT(largest_error(grid, torus, {point}), kError) << torus;
     }
 }
 
-TEST(SplineGrid, AcceptsAnyPeriodicCopyOfAPoint) {
+TEST(WaveGrid, AcceptsAnyPeriodicCopyOfAPoint) {
     // The last point is so little below 0 that its position in the period rounds to the upper end.
     const std::vector<Weighted> around{{{-0.25, 1.5}, 1}, {{1.75, -0.875}, 1}, {{-1, 2}, 1}, {{-1e-18, -1e-18}, 1}};
-    SplineGrid grid(true, {1, 1}, 30, 30);
+    WaveGrid grid(true, {1, 1}, {30, 30, 1});
     EXPECT_LT(largest_error(grid, true, around), kError);
 }
 
-TEST(SplineGrid, PreservesTheSumOfSpreadValues) {
+TEST(WaveGrid, PreservesTheSumOfSpreadValues) {
     for (const bool torus : {true, false}) {
-        SplineGrid grid(torus, {1, 0.5}, 16, 8);
+        WaveGrid grid(torus, {1, 0.5}, {16, 8, 1});
         const auto points = random_points({1, 0.5}, 100);
         double total = 0;
         grid.clear();
         for (const auto& [place, value] : points) {
-            grid.spread(place, value);
+            spread(grid, place, value);
             total += value;
         }
         grid.transform();
@@ -123,17 +133,17 @@ TEST(SplineGrid, PreservesTheSumOfSpreadValues) {
     }
 }
 
-TEST(SplineGrid, HasTheGradientOfAWave) {
+TEST(WaveGrid, HasTheGradientOfAWave) {
     const Point sides{1, 0.75};
     for (const bool torus : {true, false}) {
         for (const auto& [i, j] : {std::pair{1, 1}, {3, 2}, {5, 1}}) {
-            SplineGrid grid(torus, sides, 32, 24);
+            WaveGrid grid(torus, sides, {32, 24, 1});
             grid.with_coefficients([&, i = i, j = j](auto coefficients) {
                 for (auto& coefficient : coefficients) coefficient = 0;
-                coefficients[grid.number(i, j)] = 1 / grid.window(i, j);
+                coefficients[grid.number({i, j, 0})] = 1 / grid.window({i, j, 0});
             });
             grid.transform_back();
-            const Point f = kTau * grid.frequency(i, j);
+            const Point f = kTau * grid.frequency({i, j, 0});
             auto points = random_points(sides, 100);
             for (const Point p : {Point{0, 0}, Point{1, 0.75}, Point{0, 0.75}, Point{1, 0}}) points.push_back({p, 1});
             for (const auto& [p, value] : points) {
@@ -141,7 +151,7 @@ TEST(SplineGrid, HasTheGradientOfAWave) {
                 const Point along = -2 * std::sin(dot(f, p)) * f;
                 const Point mirrored{-4 * f.x * std::sin(f.x * p.x) * std::cos(f.y * p.y),
                                      -4 * f.y * std::cos(f.x * p.x) * std::sin(f.y * p.y)};
-                const Point wanted = torus ? along : mirrored, found = grid.gradient(p);
+                const Point wanted = torus ? along : mirrored, found = gradient(grid, p);
                 const double steepest = 4 * std::sqrt(dot(f, f));
                 EXPECT_NEAR(found.x, wanted.x, 1e-3 * steepest) << torus << ' ' << i << ' ' << j;
                 EXPECT_NEAR(found.y, wanted.y, 1e-3 * steepest) << torus << ' ' << i << ' ' << j;
@@ -150,27 +160,28 @@ TEST(SplineGrid, HasTheGradientOfAWave) {
     }
 }
 
-TEST(SplineGrid, SpreadsMoves) {
+TEST(WaveGrid, SpreadsMoves) {
     for (const bool torus : {true, false}) {
-        SplineGrid grid(torus, {1, 0.5}, 40, 20);
+        WaveGrid grid(torus, {1, 0.5}, {40, 20, 1});
         const auto points = random_points({1, 0.5}, 30);
         const auto spread_moved = [&](double share) {
             grid.clear();
-            for (const auto& [place, value] : points) grid.spread(place + share * Point{value, 1 - value}, 1);
+            for (const auto& [place, value] : points) spread(grid, place + share * Point{value, 1 - value}, 1);
             grid.transform();
             return grid.grid()[7] + 2 * grid.grid()[333];
         };
         constexpr double kStep = 1e-5;
         const double slope = (spread_moved(kStep) - spread_moved(-kStep)) / (2 * kStep);
         grid.clear();
-        for (const auto& [place, value] : points) grid.spread_move(place, {value, 1 - value});
+        for (const auto& [place, value] : points)
+            grid.spread_moves(std::vector{place}, std::vector{Point{value, 1 - value}});
         grid.transform();
         EXPECT_NEAR(grid.grid()[7] + 2 * grid.grid()[333], slope, 1e-4 * std::abs(slope)) << torus;
     }
 }
 
 /// Processors with AVX2 handle two points at once.
-TEST(SplineGrid, IsIdenticalForBatchesAndSinglePoints) {
+TEST(WaveGrid, IsIdenticalForBatchesAndSinglePoints) {
     const Point sides{2, 0.7};
     auto points = random_points(sides, 301);
     for (const Point p :
@@ -183,12 +194,12 @@ TEST(SplineGrid, IsIdenticalForBatchesAndSinglePoints) {
         values.push_back(value);
     }
     for (const bool torus : {false, true}) {
-        SplineGrid each(torus, sides, 36, 16), many(torus, sides, 36, 16);
+        WaveGrid each(torus, sides, {36, 16, 1}), many(torus, sides, {36, 16, 1});
         each.clear();
         many.clear();
-        for (const auto& [place, value] : points) each.spread(place, value);
+        for (const auto& [place, value] : points) spread(each, place, value);
         many.spread(places, values);
-        for (SplineGrid* const grid : {&each, &many}) grid->transform();
+        for (WaveGrid* const grid : {&each, &many}) grid->transform();
         each.with_coefficients([&](auto coefficients) {
             many.with_coefficients([&](auto others) {
                 if constexpr (std::is_same_v<decltype(coefficients), decltype(others)>) {
@@ -199,11 +210,11 @@ TEST(SplineGrid, IsIdenticalForBatchesAndSinglePoints) {
         each.transform_back();
         std::vector<Point> gradients(places.size());
         each.gradients(places, gradients);
-        for (std::size_t i = 0; i < places.size(); ++i) EXPECT_EQ(gradients[i], each.gradient(places[i])) << torus;
+        for (std::size_t i = 0; i < places.size(); ++i) EXPECT_EQ(gradients[i], gradient(each, places[i])) << torus;
     }
 }
 
-TEST(SplineGrid, SpreadsManyPointsOnAnyNumberOfThreads) {
+TEST(WaveGrid, SpreadsManyPointsOnAnyNumberOfThreads) {
     Random random(5, 0);
     std::vector<Point> points(30'000), moves(points.size());
     std::vector<double> values(points.size());
@@ -214,20 +225,20 @@ TEST(SplineGrid, SpreadsManyPointsOnAnyNumberOfThreads) {
     }
     for (const bool torus : {false, true}) {
         const auto cells_of = [&](Executor& executor, auto&& spread) {
-            SplineGrid grid(torus, {2, 1}, 160, 90, executor);
+            WaveGrid grid(torus, {2, 1}, {160, 90, 1}, executor);
             grid.clear();
             spread(grid);
             grid.transform();
             grid.backward();
             return std::vector<double>(grid.grid().begin(), grid.grid().end());
         };
-        const auto each = cells_of(inline_executor(), [&](SplineGrid& grid) {
+        const auto each = cells_of(inline_executor(), [&](WaveGrid& grid) {
             for (std::size_t i = 0; i < points.size(); ++i) {
-                grid.spread(points[i], values[i]);
-                grid.spread_move(points[i], moves[i]);
+                spread(grid, points[i], values[i]);
+                grid.spread_moves(std::span(points).subspan(i, 1), std::span(moves).subspan(i, 1));
             }
         });
-        const auto all = [&](SplineGrid& grid) {
+        const auto all = [&](WaveGrid& grid) {
             grid.spread(points, values);
             grid.spread_moves(points, moves);
         };
