@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/polish/cell_list.h"
+#include "core/random.h"
 #include "core/volume/box_domain3.h"
 #include "core/volume/solid_domain.h"
 
@@ -20,6 +21,14 @@ constexpr std::size_t kSites = 512;  ///< sites per task
 /// in the densest packing. If it were the distance of neighbours, sites would crowd in the first layer off the border.
 constexpr double kLayers = 0.816496580927726;
 constexpr double kMaxPush = 0.5;  ///< longest move, relative to the reach
+constexpr double kApart = 1e-9;   ///< distance at which coincident sites push each other, relative to the reach
+
+/// Returns the direction, different for each site, in which a site moves if it coincides with another site.
+Point3 own_way(std::size_t site) {
+    Random random(0, site);
+    const double x = random.uniform(), y = random.uniform(), z = random.uniform();
+    return {x - 0.5, y - 0.5, z - 0.5};
+}
 
 }  // namespace
 
@@ -61,9 +70,10 @@ double push_apart(const Domain& domain, const VolumeSpacing& spacing, std::span<
             const double own = reach * spacing.densest(p), range = ratio * own;
             Point3 move;
             cells.for_near(p, range, [&](Point3 q, std::uint32_t number) {
-                const Point3 away = p - q;
+                Point3 away = p - q;
+                if (!(dot(away, away) < range * range) || number == i) return;
+                if (!(dot(away, away) > 0)) away = kApart * own * own_way(i);
                 const double squared = dot(away, away);
-                if (!(squared < range * range) || number == i || squared == 0) return;
                 const double distance = std::sqrt(squared);
                 const std::uint32_t other = numbers[number];
                 double wanted = spacing.is_uniform() ? own : (own + reach * spacing.densest(sites[other])) / 2;
