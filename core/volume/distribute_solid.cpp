@@ -15,7 +15,7 @@ namespace ccdt {
 namespace {
 
 // Numbers of cells of the grid by which the solid is measured.
-constexpr double kCellsPerSite = 12, kFewestCells = 1 << 17;
+constexpr double kCellsPerSite = 8, kFewestCells = 1 << 17;
 
 /// Returns the mean density in each cell of a grid, relative to the mean over the bounding box. The density outside the
 /// solid counts as 0.

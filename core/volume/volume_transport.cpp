@@ -15,17 +15,17 @@ constexpr double kPi = std::numbers::pi;
 /// Upper limit of the removed frequencies of a uniform density, in cycles per mean spacing. It is just above half the
 /// principal frequency of the densest packing, 0.5456.
 constexpr double kLimit = 0.55;
-/// Cells per spacing: four cells per cycle of the highest frequency or, if the grid must be precise, nearly six. See
+/// Cells per spacing: 3.3 cells per cycle of the highest frequency or, if the grid must be precise, nearly six. See
 /// WaveGrid for the errors.
-constexpr double kCellsPerSpacing = 2.2, kPreciseCells = 3.2;
+constexpr double kCellsPerSpacing = 1.8, kPreciseCells = 3.2;
 constexpr double kMaxMove = 0.25;    ///< longest move, in spacings
 constexpr std::size_t kSites = 512;  ///< sites per task
 constexpr std::size_t kMaxOctaves = 5;
 /// Largest density that octave 0 resolves, relative to the mean density.
 constexpr double kMaxContrast = 4;
-/// The grid of octave 0 has at most kMostCells per point, or kFewestCells if that is more. A solid that fills a small
-/// part of its bounding box reaches this limit.
-constexpr double kMostCells = 44, kFewestCells = 1 << 17;
+/// The grid of octave 0 has at most kMostVolumes times the cells that a domain needs that fills its bounding box, or
+/// kFewestCells if that is more. A solid that fills a small part of its bounding box reaches this limit.
+constexpr double kMostVolumes = 3.8, kFewestCells = 1 << 17;
 constexpr double kCaution = 0.7;  ///< is added to the fractional octave that follows from the spacing
 
 /// Returns the share of a wave's error that a round removes.
@@ -51,7 +51,7 @@ double part(double level, std::size_t octave) {
 template <class Domain>
 double finest_spacing(const Domain& domain, const VoxelDensity& density, const VolumeSpacing& spacing, double points,
                       double cells) {
-    const double box = domain.box().volume(), most = std::max(kFewestCells, kMostCells * points);
+    const double box = domain.box().volume(), most = std::max(kFewestCells, kMostVolumes * std::pow(cells, 3) * points);
     const double contrast = spacing.is_uniform() ? 1 : density.contrast() * domain.volume() / box;
     double finest =
         std::max(spacing.mean() / std::cbrt(std::min(contrast, kMaxContrast)), cells * std::cbrt(box / most));

@@ -75,7 +75,7 @@ WaveGrid::Taps WaveGrid::taps(double v, std::size_t axis) const {
         if (cell < 0) cell = domain_.periodic ? cell + count : -1 - cell;
         if (cell >= count) cell = domain_.periodic ? cell - count : 2 * count - 1 - cell;
         taps.cells[slot] = static_cast<std::size_t>(cell);
-        const double share = (first + t - at) / kHalf, rest = std::sqrt(std::max(1e-12, 1 - share * share));
+        const double share = (first + t - at) / kHalf, rest = std::sqrt(std::max(1e-6, 1 - share * share));
         taps.heights[slot] = std::exp(kSteepness * kTaps * (rest - 1));
         if constexpr (kSlopes) taps.slopes[slot] = taps.heights[slot] * kSteepness * kTaps / kHalf * share / rest;
     }

@@ -20,8 +20,9 @@ namespace ccdt {
 /// The waves of a torus are periodic; those of a box are cosines, which are mirrored at its faces.
 ///
 /// Each point is spread over 6 x 6 x 6 grid points. With a B-spline of this width as kernel, the error of a wave at a
-/// quarter of the grid's frequency would be 1e-3. With the "exponential of semicircle" kernel, it is 5e-5, and 3e-6 at
-/// a sixth, so that the power of waves can be reduced by 100 dB. Source: Barnett, Magland, af Klinteberg 2019.
+/// quarter of the grid's frequency would be 1e-3. With the "exponential of semicircle" kernel, it is 5e-5, 1e-3 at 0.3
+/// times the grid's frequency, and 3e-6 at a sixth, so that the power of waves can be reduced by 100 dB. Source:
+/// Barnett, Magland, af Klinteberg 2019.
 ///
 /// The results do not depend on the number of threads. 16 bytes per cell (torus) or 8 (box).
 class WaveGrid {
