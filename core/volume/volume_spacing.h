@@ -23,7 +23,7 @@ public:
 
     /// @param points  number of points in the domain, >= 1
     ///
-    /// With uniform density, O(1). Otherwise, O(points), with at most 256 cells along each axis of the grid.
+    /// With uniform density, O(1). Otherwise, O(points), with at most 200 cells along each axis of the grid.
     VolumeSpacing(const BoxDomain3& domain, const VoxelDensity& density, std::size_t points, Executor& executor);
 
     bool is_uniform() const { return sides_.empty(); }
