@@ -87,12 +87,12 @@ Result<Answer> run_volume(const VolumeRequest& request, const Decode& decode, co
 
 Cost cost_of(const VolumeRequest& request) {
     // Fitted to measured peaks of resident memory and to measured times; tests/api/cost_test.cpp compares the peaks.
-    constexpr Estimate kDraft{100, 34 * kMicrosecond}, kStandard{260, 38 * kMicrosecond};
-    constexpr Estimate kBest{300, 95 * kMicrosecond}, kStealthy{550, 135 * kMicrosecond};
+    constexpr Estimate kDraft{100, 34 * kMicrosecond}, kStandard{260, 31 * kMicrosecond};
+    constexpr Estimate kBest{300, 60 * kMicrosecond}, kStealthy{550, 77 * kMicrosecond};
     constexpr Estimate kUneven{0, 65 * kMicrosecond};  // a density, or a solid
     constexpr Estimate kMesh{750, 14 * kMicrosecond}, kProgressive{100, 7 * kMicrosecond};
-    constexpr Estimate kTriangle{300, 3.2 * kMicrosecond};                // of a mesh, as for points on its surface
-    constexpr double kInBlock = 1'200, kMaxInBlocks = 4.0 * (1U << 14U);  // sites of blocks that are relaxed at a time
+    constexpr Estimate kTriangle{300, 3.2 * kMicrosecond};           // of a mesh, as for points on its surface
+    constexpr double kInBlock = 1'200, kMaxInBlocks = 4.0 * 10'000;  // sites of blocks that are relaxed at a time
     const VolumeOptions& run = request.run;
     Estimate site = run.quality == Quality::Draft      ? kDraft
                     : run.quality == Quality::Standard ? kStandard

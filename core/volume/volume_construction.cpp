@@ -42,9 +42,9 @@ Schedule schedule_of(Quality quality, bool stealthy) {
         case Quality::Draft:
             return {.relaxations = 5};
         case Quality::Standard:
-            return {.wide_rounds = 8, .relaxations = 2, .rounds = 8, .reach = 0.9, .near_rounds = 2};
+            return {.wide_rounds = 8, .relaxations = 1, .rounds = 8, .reach = 0.9, .near_rounds = 2};
         default:
-            return {.wide_rounds = 30, .relaxations = 4, .rounds = 24, .near_rounds = 2, .waves = stealthy ? 20 : 0};
+            return {.wide_rounds = 24, .relaxations = 2, .rounds = 16, .near_rounds = 3, .waves = stealthy ? 20 : 0};
     }
 }
 
