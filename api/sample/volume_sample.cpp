@@ -26,7 +26,7 @@ Result<Solid> make_solid(const SurfaceFile& file, const Decode& decode, const st
     if (!made) return tl::unexpected(made.error());
     placed.repairs = std::move(made->repairs);
     placed.warnings = std::move(made->warnings);
-    return Solid::create(std::move(made->surface));
+    return Solid::create(std::move(made->surface), stop);
 }
 
 /// Puts points into the requested order. After a stop, the order is arbitrary.

@@ -44,7 +44,7 @@ double side_at(const BoxDomain3& domain, const VoxelDensity& density, double poi
 }  // namespace
 
 VolumeSpacing::VolumeSpacing(const BoxDomain3& domain, const VoxelDensity& density, std::size_t points,
-                             Executor& executor)
+                             Executor& executor, const std::stop_token& stop)
     : mean_(std::cbrt(domain.volume() / static_cast<double>(points))), domain_sides_(domain.sides) {
     if (density.is_uniform()) return;
     const auto cells = [&](double side) {
@@ -57,7 +57,7 @@ VolumeSpacing::VolumeSpacing(const BoxDomain3& domain, const VoxelDensity& densi
         return (static_cast<double>(cell) + 0.5) / static_cast<double>(cells_[axis]) * along(domain_sides_, axis);
     };
     for_ranges(executor, rows * layers, 1, [&, columns = columns, rows = rows](std::size_t line, std::size_t) {
-        for (std::size_t i = 0; i < columns; ++i) {
+        for (std::size_t i = 0; i < columns && !stop.stop_requested(); ++i) {
             const Point3 centre{place(i, 0), place(line % rows, 1), place(line / rows, 2)};
             sides_[line * columns + i] =
                 static_cast<float>(side_at(domain, density, static_cast<double>(points), centre));

@@ -67,7 +67,7 @@ double finest_spacing(const Domain& domain, const VoxelDensity& density, const V
 template <class Domain>
 VolumeTransport<Domain>::VolumeTransport(const Domain& domain, const VoxelDensity& density,
                                          const VolumeSpacing& spacing, std::size_t points, bool precise,
-                                         Executor& executor)
+                                         Executor& executor, const std::stop_token& stop)
     : domain_(domain),
       spacing_(spacing),
       executor_(executor),
@@ -83,7 +83,8 @@ VolumeTransport<Domain>::VolumeTransport(const Domain& domain, const VoxelDensit
         octaves_.push_back({WaveGrid(box, (cells / own) * box.sides, executor), own});
     }
     if (density.is_uniform()) return;
-    for (std::size_t octave = 0; octave < octaves_.size(); ++octave) set_target(octaves_[octave], octave, density);
+    for (std::size_t octave = 0; octave < octaves_.size(); ++octave)
+        set_target(octaves_[octave], octave, density, stop);
 }
 
 /// Returns the fractional octave of a point.
@@ -95,7 +96,8 @@ double VolumeTransport<Domain>::level(Point3 p) const {
 
 /// Computes the wanted density of an octave as if very many points with this density were spread on the grid.
 template <class Domain>
-void VolumeTransport<Domain>::set_target(Octave& octave, std::size_t number, const VoxelDensity& density) {
+void VolumeTransport<Domain>::set_target(Octave& octave, std::size_t number, const VoxelDensity& density,
+                                         const std::stop_token& stop) {
     WaveGrid& grid = octave.grid;
     const auto [columns, rows, layers] = grid.cells();
     const Point3 cell{1.0 / columns, 1.0 / rows, 1.0 / layers}, sides = domain_.sides;
@@ -103,7 +105,7 @@ void VolumeTransport<Domain>::set_target(Octave& octave, std::size_t number, con
     const auto lines = static_cast<std::size_t>(rows) * static_cast<std::size_t>(layers);
     const auto width = static_cast<std::size_t>(columns), height = static_cast<std::size_t>(rows);
     for_ranges(executor_, lines, 1, [&](std::size_t line, std::size_t) {
-        for (std::size_t i = 0; i < width; ++i) {
+        for (std::size_t i = 0; i < width && !stop.stop_requested(); ++i) {
             const auto x = static_cast<double>(i), y = static_cast<double>(line % height),
                        z = static_cast<double>(line / height);
             const Box3 box{
@@ -114,6 +116,7 @@ void VolumeTransport<Domain>::set_target(Octave& octave, std::size_t number, con
             values[line * width + i] = own > 0 ? own * points_ * density.mass(box) : 0;
         }
     });
+    if (stop.stop_requested()) return;
     const double scale = 1 / (grid.copies() * static_cast<double>(values.size()));
     grid.forward();
     grid.for_waves([&](auto coefficients, const WaveGrid::Wave& wave, std::size_t) {

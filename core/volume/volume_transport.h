@@ -28,8 +28,9 @@ public:
     /// @param points   number of sites and fixed points
     /// @param precise  whether the grid is precise enough to reduce power to -100 dB, which takes more than twice the
     ///                 memory
+    /// @param stop     polled regularly; after a stop, the transport must not be used
     VolumeTransport(const Domain& domain, const VoxelDensity& density, const VolumeSpacing& spacing, std::size_t points,
-                    bool precise, Executor& executor);
+                    bool precise, Executor& executor, const std::stop_token& stop = {});
 
     /// Moves sites such that the error of density in long waves vanishes to first order. No move is longer than a
     /// quarter of the spacing.
@@ -50,7 +51,7 @@ private:
     };
 
     double level(Point3 p) const;
-    void set_target(Octave& octave, std::size_t number, const VoxelDensity& density);
+    void set_target(Octave& octave, std::size_t number, const VoxelDensity& density, const std::stop_token& stop);
     double solve(Octave& octave);
 
     Domain domain_;
