@@ -89,7 +89,7 @@ Cost cost_of(const VolumeRequest& request) {
     // Fitted to measured peaks of resident memory and to measured times; tests/api/cost_test.cpp compares the peaks.
     constexpr Estimate kDraft{100, 34 * kMicrosecond}, kStandard{260, 31 * kMicrosecond};
     constexpr Estimate kBest{300, 60 * kMicrosecond}, kStealthy{550, 77 * kMicrosecond};
-    constexpr Estimate kUneven{0, 65 * kMicrosecond};  // a density, or a solid
+    constexpr Estimate kUneven{50, 65 * kMicrosecond}, kSolid{250, 65 * kMicrosecond};
     constexpr Estimate kMesh{750, 14 * kMicrosecond}, kProgressive{100, 7 * kMicrosecond};
     constexpr Estimate kTriangle{300, 3.2 * kMicrosecond};           // of a mesh, as for points on its surface
     constexpr double kInBlock = 1'200, kMaxInBlocks = 4.0 * 10'000;  // sites of blocks that are relaxed at a time
@@ -98,7 +98,8 @@ Cost cost_of(const VolumeRequest& request) {
                     : run.quality == Quality::Standard ? kStandard
                     : run.quality == Quality::Best     ? kBest
                                                        : kStealthy;
-    if (request.solid || !std::holds_alternative<std::monostate>(request.density)) site = site + kUneven;
+    const bool uneven = !std::holds_alternative<std::monostate>(request.density);
+    if (request.solid || uneven) site = site + (request.solid ? kSolid : kUneven);
     if (run.keep_mesh) site = site + kMesh;
     if (request.order == PointOrder::Progressive) site = site + kProgressive;
     const auto count = static_cast<double>(run.sites + run.fixed.size());
