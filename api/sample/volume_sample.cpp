@@ -121,7 +121,7 @@ Result<Solid> make_solid(const VolumeRequest& request, const Decode& decode, con
     if (!made) return tl::unexpected(made.error());
     placed.repairs = std::move(made->repairs);
     placed.warnings = std::move(made->warnings);
-    return Solid::create(std::move(made->surface));
+    return Solid::create(std::move(made->surface), stop);
 }
 
 /// Puts points into the requested order. After a stop, the order is arbitrary.
@@ -220,16 +220,20 @@ Result<PlacedVolume> place_in_space(const VolumeRequest& request, const Decode& 
 Cost cost_of(const VolumeRequest& request) {
     // Fitted to measured peaks of resident memory and to measured times; tests/api/cost_test.cpp compares the peaks.
     constexpr std::array<Estimate, 4> kOfQuality = {{{100, 34 * kMicrosecond},  // draft
-                                                     {260, 38 * kMicrosecond},
-                                                     {300, 95 * kMicrosecond},
-                                                     {550, 135 * kMicrosecond}}};  // stealthy
-    constexpr Estimate kUneven{0, 65 * kMicrosecond};                              // a density, or a solid
+                                                     {260, 31 * kMicrosecond},
+                                                     {300, 60 * kMicrosecond},
+                                                     {550, 77 * kMicrosecond}}};  // stealthy
+    constexpr Estimate kUneven{50, 65 * kMicrosecond}, kSolid{250, 65 * kMicrosecond};
     constexpr Estimate kMesh{750, 14 * kMicrosecond}, kProgressive{100, 7 * kMicrosecond};
-    constexpr Estimate kTriangle{300, 3.2 * kMicrosecond};                // of a mesh, as for points on its surface
-    constexpr double kInBlock = 1'200, kMaxInBlocks = 4.0 * (1U << 14U);  // sites of blocks that are relaxed at a time
+    constexpr Estimate kTriangle{300, 3.2 * kMicrosecond};           // of a mesh, as for points on its surface
+    constexpr double kInBlock = 1'200, kMaxInBlocks = 4.0 * 10'000;  // sites of blocks that are relaxed at a time
     const VolumeOptions& run = request.run;
     Estimate site = kOfQuality[static_cast<std::size_t>(run.quality)];
-    if (request.solid || !std::holds_alternative<std::monostate>(request.density)) site = site + kUneven;
+    if (request.solid) {
+        site = site + kSolid;
+    } else if (!std::holds_alternative<std::monostate>(request.density)) {
+        site = site + kUneven;
+    }
     if (run.keep_mesh) site = site + kMesh;
     if (request.order == PointOrder::Progressive) site = site + kProgressive;
     const auto count = static_cast<double>(run.sites + run.fixed.size());

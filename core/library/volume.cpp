@@ -52,9 +52,9 @@ struct Distributor {
         return in_box({{torus.width, torus.height, torus.depth}, true});
     }
     ccdt::VolumeDistribution operator()(const Solid& given) const {
-        auto surface =
-            value_of(ccdt::Surface::create(soup_of(given), ccdt::Solid::kCrease, execution.control().stop)).surface;
-        const auto solid = value_of(ccdt::Solid::create(std::move(surface)));
+        const std::stop_token& stop = execution.control().stop;
+        auto surface = value_of(ccdt::Surface::create(soup_of(given), ccdt::Solid::kCrease, stop)).surface;
+        const auto solid = value_of(ccdt::Solid::create(std::move(surface), stop));
         auto placed = value_of(ccdt::distribute_in_solid(solid, density, options, execution.control()));
         return ordered(std::move(placed), solid.bounds(), false, std::min(1.0, solid.share()));
     }

@@ -27,13 +27,15 @@ struct PairPush {
     }
 };
 
-/// Returns a move, plus the moves of a site due to pushes off all listed sites. Coincident sites do not push.
+/// Returns a move, plus the moves of a site due to pushes off all listed sites.
 /// @param range    largest distance of a site that pushes
 /// @param push_of  called with the number of a listed site and its distance; returns the PairPush
+/// @param apart    vector from a coincident site to the site that counts as its place; zero: coincident sites do not
+///                 push
 template <class P, class PushOf>
-P pushed_off(const BasicCellList<P>& sites, P p, double range, P move, PushOf&& push_of) {
+P pushed_off(const BasicCellList<P>& sites, P p, double range, P move, PushOf&& push_of, P apart = {}) {
     sites.for_near(p, range, [&](P other, std::uint32_t number) {
-        const P away = p - other;
+        const P away = p == other ? apart : p - other;
         const double squared = dot(away, away);
         if (squared >= range * range || squared == 0) return;
         const double distance = std::sqrt(squared);

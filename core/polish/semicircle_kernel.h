@@ -16,7 +16,8 @@ namespace ccdt {
 
 /// The kernel of a WaveGrid in space: an "exponential of semicircle" along each axis, 6 cells wide. With a B-spline of
 /// this width, the error of a wave at a quarter of the grid's frequency would be 1e-3. With this kernel, it is 5e-5,
-/// and 3e-6 at a sixth, so that the power of waves can be reduced by 100 dB. BasicWaveGrid documents the functions.
+/// 1e-3 at 0.3 times the grid's frequency, and 3e-6 at a sixth, so that the power of waves can be reduced by 100 dB.
+/// BasicWaveGrid documents the functions.
 class SemicircleKernel {
 public:
     static constexpr std::size_t kPointsPerTask = 512;

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
+#include <utility>
 
 #include "core/random.h"
 
@@ -12,9 +14,12 @@ namespace ccdt {
 
 namespace {
 
-constexpr double kSitesPerBlock = 16384;
-constexpr double kMostEmptyBlocks = 64;  ///< largest ratio of the bounding box's blocks to the wanted blocks of a solid
-constexpr double kFewestBlocks = 2;      ///< allows two threads to share the work if there are few sites
+/// Largest number of sites in a block. Larger blocks have smaller rims, but need more memory.
+constexpr std::size_t kMostSites = 10000;
+constexpr std::size_t kFewestBlocks = 2;  ///< allows two threads to share the work if there are few sites
+/// Share of the sites on the lower side of the first planes in odd calls, whose blocks thus have other borders.
+constexpr double kOddShare = 0.4;
+constexpr int kOddPlanes = 3;
 /// Width of the rim around a block whose sites are triangulated with it, in spacings. Almost all tetrahedra with a
 /// corner in the block are those of the complete triangulation.
 constexpr double kRim = 1.75;
@@ -96,7 +101,7 @@ double BlockRelaxation<Domain>::relax(std::span<Point3> sites, std::size_t free,
     std::vector<Point3> moved(sites.begin(), sites.begin() + static_cast<std::ptrdiff_t>(free));
     std::vector<Sums> sums(blocks.size());
     executor_.run(blocks.size(), [&](std::size_t number) {
-        sums[number] = relax_block(blocks[number], free, sites.size(), passes, moved, stop);
+        sums[number] = relax_block(blocks[number], sites, free, passes, moved, stop);
     });
     if (stop.stop_requested()) return 0;
     std::ranges::copy(moved, sites.begin());
@@ -111,60 +116,68 @@ double BlockRelaxation<Domain>::relax(std::span<Point3> sites, std::size_t free,
     return std::sqrt(std::max(0.0, all.second / all.count - mean * mean)) / mean;
 }
 
-/// Makes every site a member of the block that contains it, and of all blocks near it or near one of its copies.
+/// Divides the domain into blocks of up to kMostSites sites.
 template <class Domain>
 std::vector<typename BlockRelaxation<Domain>::Block> BlockRelaxation<Domain>::divide(
     std::span<const Point3> sites) const {
-    const double blocks_wanted = std::max(kFewestBlocks, static_cast<double>(sites.size()) / kSitesPerBlock);
-    const double box = domain_.box().volume();
-    const double width = std::cbrt(std::max(domain_.volume(), box / kMostEmptyBlocks) / blocks_wanted);
-    // If blocks are shifted, block 0 of a torus continues at the other end, and a box has one more block.
-    std::array<double, 3> per_length{}, shifts{};
-    std::array<std::size_t, 3> counts{};
-    double half_block = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double side = along(domain_.sides, axis), count = std::max(1.0, std::ceil(side / width - 0.3));
-        per_length[axis] = count / side;
-        if (calls_ % 2 == 1 && (domain_.periodic || count > 1)) shifts[axis] = 0.5;
-        counts[axis] = static_cast<std::size_t>(count) + (shifts[axis] > 0 && !domain_.periodic ? 1 : 0);
-        if (domain_.periodic) half_block = std::max(half_block, shifts[axis] * side / count);
-    }
-    std::vector<Block> blocks(counts[0] * counts[1] * counts[2]);
-    for (std::uint32_t i = 0; i < sites.size(); ++i) {
-        const double reach = kRim * spacing_.side(sites[i]);
-        domain_.for_copies(sites[i], half_block + reach, [&](Point3 copy, bool is_original) {
-            std::array<std::size_t, 3> first{}, last{};
-            std::array<double, 3> home{};
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                const auto block_of = [&](double v) { return std::floor(v * per_length[axis] + shifts[axis]); };
-                const double place = along(copy, axis), end = static_cast<double>(counts[axis]) - 1;
-                const double low = block_of(place - reach), high = block_of(place + reach);
-                if (high < 0 || low > end) return;
-                first[axis] = static_cast<std::size_t>(std::max(low, 0.0));
-                last[axis] = static_cast<std::size_t>(std::min(high, end));
-                home[axis] = block_of(place);
-            }
-            const auto is_home = [&](std::size_t block, std::size_t axis) {
-                return static_cast<double>(block) == home[axis];
-            };
-            const bool has_home = domain_.periodic || is_original;
-            for (std::size_t z = first[2]; z <= last[2]; ++z) {
-                for (std::size_t y = first[1]; y <= last[1]; ++y) {
-                    for (std::size_t x = first[0]; x <= last[0]; ++x) {
-                        const bool is_own = has_home && is_home(x, 0) && is_home(y, 1) && is_home(z, 2);
-                        Block& block = blocks[(z * counts[1] + y) * counts[0] + x];
-                        (is_own ? block.own : block.near).push_back({copy, i});
-                    }
-                }
-            }
+    Block all;
+    all.own.resize(sites.size());
+    std::iota(all.own.begin(), all.own.end(), 0U);
+    for (const Point3 site : sites) {
+        const auto reach = static_cast<float>(kRim * spacing_.side(site));
+        domain_.for_copies(site, reach, [&](Point3 copy, bool is_original) {
+            if (!is_original) all.near.push_back({copy, reach});
         });
     }
+    std::vector<Block> blocks;
+    const std::size_t most = std::min(kMostSites, (sites.size() + kFewestBlocks - 1) / kFewestBlocks);
+    divide(std::move(all), sites, most, calls_ % 2 == 1 ? kOddPlanes : 0, blocks);
     return blocks;
 }
 
+/// Divides a block by planes across the longest side of its bounding box until no part has more than `most` sites.
+/// @param odd_planes  number of recursions that divide the sites unequally
 template <class Domain>
-typename BlockRelaxation<Domain>::Sums BlockRelaxation<Domain>::relax_block(const Block& block, std::size_t free,
-                                                                            std::size_t all, int passes,
+void BlockRelaxation<Domain>::divide(Block block, std::span<const Point3> sites, std::size_t most, int odd_planes,
+                                     std::vector<Block>& blocks) const {
+    Box3 box{sites[block.own.front()], sites[block.own.front()]};
+    for (const std::uint32_t i : block.own) box = bounds_of(std::array{box.min, box.max, sites[i]});
+    const Point3 size = box.max - box.min;
+    const std::size_t axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    if (block.own.size() <= most || !(along(size, axis) > 0)) {
+        blocks.push_back(std::move(block));
+        return;
+    }
+    std::vector<double> coordinates;
+    coordinates.reserve(block.own.size());
+    for (const std::uint32_t i : block.own) coordinates.push_back(along(sites[i], axis));
+    const double share = odd_planes > 0 ? kOddShare : 0.5;
+    const auto middle = static_cast<std::ptrdiff_t>(share * static_cast<double>(coordinates.size()));
+    std::ranges::nth_element(coordinates, coordinates.begin() + middle);
+    // The plane is above the lowest site, so no part is empty.
+    const double lowest = along(box.min, axis), highest = along(box.max, axis);
+    const double plane = std::max(coordinates[static_cast<std::size_t>(middle)], std::nextafter(lowest, highest));
+    Block low, high;
+    for (const std::uint32_t i : block.own) {
+        const double above = along(sites[i], axis) - plane;
+        const auto reach = static_cast<float>(kRim * spacing_.side(sites[i]));
+        (above < 0 ? low : high).own.push_back(i);
+        if (std::abs(above) < reach) (above < 0 ? high : low).near.push_back({sites[i], reach});
+    }
+    for (const Neighbour& near : block.near) {
+        const double above = along(near.place, axis) - plane;
+        if (above < near.reach) low.near.push_back(near);
+        if (above > -near.reach) high.near.push_back(near);
+    }
+    block = {};
+    divide(std::move(low), sites, most, odd_planes - 1, blocks);
+    divide(std::move(high), sites, most, odd_planes - 1, blocks);
+}
+
+template <class Domain>
+typename BlockRelaxation<Domain>::Sums BlockRelaxation<Domain>::relax_block(const Block& block,
+                                                                            std::span<const Point3> sites,
+                                                                            std::size_t free, int passes,
                                                                             std::span<Point3> moved,
                                                                             const std::stop_token& stop) const {
     const std::size_t own = block.own.size();
@@ -172,13 +185,13 @@ typename BlockRelaxation<Domain>::Sums BlockRelaxation<Domain>::relax_block(cons
     if (own == 0 || stop.stop_requested()) return sums;
     std::vector<Point3> places;
     places.reserve(own + block.near.size());
-    for (const Member& member : block.own) places.push_back(member.place);
+    for (const std::uint32_t i : block.own) places.push_back(sites[i]);
     // In a box, two sites and their mirror images at one face lie on a circle. Tiny offsets of the copies avoid the
     // exact arithmetic that such cases need.
-    for (const Member& member : block.near) {
+    for (const Neighbour& near : block.near) {
         Random random(0, places.size());
         const double offset = kOffset * random.uniform();
-        places.push_back(domain_.periodic ? member.place : member.place + Point3{offset, -offset, 2 * offset});
+        places.push_back(domain_.periodic ? near.place : near.place + Point3{offset, -offset, 2 * offset});
     }
     Fans fans = fans_of(delaunay_tetrahedra(places, stop), own);
     if (stop.stop_requested() || fans.faces.empty()) return sums;
@@ -212,13 +225,13 @@ typename BlockRelaxation<Domain>::Sums BlockRelaxation<Domain>::relax_block(cons
     }
     sums.count = static_cast<double>(fans.faces.size());
 
-    const double even = domain_.volume() / static_cast<double>(all);  // mean capacity per site
+    const double even = domain_.volume() / static_cast<double>(sites.size());  // mean capacity per site
     const double goal = even * 4 * static_cast<double>(own) / sums.count;
     std::vector<Point3> gradients;
     std::vector<double> capacities;
     for (int pass = 0; pass < passes && !stop.stop_requested(); ++pass) {
         for (std::uint32_t site = 0; site < own; ++site) {
-            if (block.own[site].site >= free) continue;
+            if (block.own[site] >= free) continue;
             const Point3 place = places[site];
             const std::size_t begin = fans.begins[site], count = fans.begins[site + 1] - begin;
             if (count == 0) continue;
@@ -254,8 +267,8 @@ typename BlockRelaxation<Domain>::Sums BlockRelaxation<Domain>::relax_block(cons
         }
     }
     for (std::size_t site = 0; site < own; ++site) {
-        if (block.own[site].site < free)
-            moved[block.own[site].site] = domain_.moved(block.own[site].place, places[site]);
+        const std::uint32_t i = block.own[site];
+        if (i < free) moved[i] = domain_.moved(sites[i], places[site]);
     }
     return sums;
 }

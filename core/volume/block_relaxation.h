@@ -20,10 +20,11 @@ namespace ccdt {
 /// as Relaxation does in the plane. They cannot all be equal: there are three coordinates, but about six tetrahedra,
 /// per site.
 ///
-/// The domain is divided into blocks of equal size. Each is triangulated separately, together with the sites around it
-/// and with copies of sites beyond the domain's border. So blocks can be processed in parallel, and only the
-/// triangulations of a few blocks are in memory at a time. While a block is relaxed, the sites around it keep their
-/// places. In every second call, the blocks are shifted by half a block.
+/// The domain is divided into blocks, as by a k-d tree: planes halve the number of sites until it is at most 10,000.
+/// Each block is triangulated separately, together with the sites around it and with copies of sites beyond the
+/// domain's border. So blocks can be processed in parallel, and only the triangulations of a few blocks are in memory
+/// at a time. While a block is relaxed, the sites around it keep their places. In every second call, the blocks have
+/// other borders.
 /// @tparam Domain  BoxDomain3 or SolidDomain
 template <class Domain>
 class BlockRelaxation {
@@ -39,17 +40,18 @@ public:
     ///               stop
     ///
     /// The result does not depend on the number of threads. O(sites log sites). A triangulation takes about 500 bytes
-    /// per site of a block; blocks hold more sites where the density is high.
+    /// per site of a block and per site around it.
     double relax(std::span<Point3> sites, std::size_t free, int passes, const std::stop_token& stop);
 
 private:
-    /// A site of a block, or a site or a copy near the block.
-    struct Member {
+    /// A site or a copy near a block.
+    struct Neighbour {
         Point3 place;
-        std::uint32_t site;
+        float reach;  ///< largest distance from a block that it is near to, along each axis
     };
     struct Block {
-        std::vector<Member> own, near;
+        std::vector<std::uint32_t> own;  ///< numbers of the block's sites
+        std::vector<Neighbour> near;
     };
     /// Sums over tetrahedra.
     struct Sums {
@@ -57,8 +59,10 @@ private:
     };
 
     std::vector<Block> divide(std::span<const Point3> sites) const;
-    Sums relax_block(const Block& block, std::size_t free, std::size_t all, int passes, std::span<Point3> moved,
-                     const std::stop_token& stop) const;
+    void divide(Block block, std::span<const Point3> sites, std::size_t most, int odd_planes,
+                std::vector<Block>& blocks) const;
+    Sums relax_block(const Block& block, std::span<const Point3> sites, std::size_t free, int passes,
+                     std::span<Point3> moved, const std::stop_token& stop) const;
 
     Domain domain_;
     const VoxelDensity& density_;

@@ -15,7 +15,7 @@ namespace ccdt {
 namespace {
 
 // Numbers of cells of the grid by which the solid is measured.
-constexpr double kCellsPerSite = 12, kFewestCells = 1 << 17;
+constexpr double kCellsPerSite = 8, kFewestCells = 1 << 17;
 
 /// Returns the mean density in each cell of a grid, relative to the mean over the bounding box. The density outside the
 /// solid counts as 0.
@@ -43,8 +43,9 @@ struct Inside {
     VoxelDensity density;
 };
 
-Result<Inside> measure(const Solid& solid, const VoxelDensity& density, double cells) {
-    Solid::Coverage coverage = solid.coverage(cells);
+Result<Inside> measure(const Solid& solid, const VoxelDensity& density, double cells, const std::stop_token& stop) {
+    Solid::Coverage coverage = solid.coverage(cells, stop);
+    if (stop.stop_requested()) return failure(ErrorCode::Stopped, "stopped before there was a result");
     SolidDomain domain(solid, coverage);
     const auto grid = coverage.cells;
     const std::vector<double> values = densities_inside(std::move(coverage), density);
@@ -52,7 +53,7 @@ Result<Inside> measure(const Solid& solid, const VoxelDensity& density, double c
     domain.set_volume(std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size()) *
                       sides.x * sides.y * sides.z);
     auto inside = VoxelDensity::create(grid, values);
-    if (!inside) return tl::unexpected(inside.error());
+    if (!inside) return failure(ErrorCode::Unusable, "the density is 0 everywhere in the solid", "density");
     return Inside{std::move(domain), std::move(*inside)};
 }
 
@@ -70,13 +71,13 @@ Result<VolumeDistribution> distribute_in_solid(const Solid& solid, const VoxelDe
         fixed.push_back(surface.from_input(options.fixed[i]));
     }
     const auto points = static_cast<double>(options.sites + fixed.size());
-    auto inside = measure(solid, density, std::max(kFewestCells, kCellsPerSite * points));
-    if (!inside) return failure(ErrorCode::Unusable, "the density is 0 everywhere in the solid", "density");
-    VolumeDistribution result =
-        construct_volume(inside->domain, density, std::move(inside->density), options, fixed, control);
-    for (Point3& p : result.points) p = surface.to_input(p);
-    if (result.mesh) {
-        for (Point3& p : result.mesh->vertices) p = surface.to_input(p);
+    auto inside = measure(solid, density, std::max(kFewestCells, kCellsPerSite * points), control.stop);
+    if (!inside) return tl::unexpected(inside.error());
+    auto result = construct_volume(inside->domain, density, std::move(inside->density), options, fixed, control);
+    if (!result) return result;
+    for (Point3& p : result->points) p = surface.to_input(p);
+    if (result->mesh) {
+        for (Point3& p : result->mesh->vertices) p = surface.to_input(p);
     }
     return result;
 }

@@ -44,11 +44,12 @@ Result<VolumeDistribution> distribute_in_volume(const BoxDomain3& domain, const 
     std::vector<Point3> fixed;
     for (const Point3 p : options.fixed) fixed.push_back(unit.inside({p.x / scale, p.y / scale, p.z / scale}));
 
-    VolumeDistribution result = construct_volume(unit, density, std::nullopt, options, fixed, control);
-    if (result.mesh) {
-        for (Point3& vertex : result.mesh->vertices) vertex = scale * vertex;
+    auto result = construct_volume(unit, density, std::nullopt, options, fixed, control);
+    if (!result) return result;
+    if (result->mesh) {
+        for (Point3& vertex : result->mesh->vertices) vertex = scale * vertex;
     }
-    for (Point3& p : result.points) p = domain.inside(scale * p);
+    for (Point3& p : result->points) p = domain.inside(scale * p);
     return result;
 }
 

@@ -17,11 +17,11 @@ namespace ccdt {
 /// @param options  fixed points must be in the domain
 /// @param control  a stop returns the current sites, which is not an error
 ///
-/// Errors: Malformed if the number of sites is out of range ("sites"), a side is not positive or not finite ("domain"),
-/// or a fixed point is not in the domain ("fixed/N"); Unusable if a side is shorter than a quarter of the cubic root of
-/// the volume per point ("domain"). Deterministic for any number of threads. O(sites log sites). Without `keep_mesh`,
-/// 233 (box) or 336 (torus) bytes per site for a million sites of uniform density. More if the density varies strongly,
-/// because a block of BlockRelaxation can then hold most of the sites.
+/// Errors: Malformed if the number of points is out of range ("sites"), a side is not positive or not finite
+/// ("domain"), or a fixed point is not in the domain ("fixed/N"); Unusable if a side is shorter than a quarter of the
+/// cubic root of the volume per point ("domain"); Stopped if a stop comes before all initial sites are drawn.
+/// Deterministic for any number of threads. O(sites log sites). Without `keep_mesh`, 225 (box) or 240 (torus) bytes
+/// per site for a million sites of uniform density.
 /// Source: Xu, Liu, Gotsman, Gortler 2011, section 5, names the generalisation to space as future work.
 Result<VolumeDistribution> distribute_in_volume(const BoxDomain3& domain, const VoxelDensity& density,
                                                 const VolumeOptions& options, const Control& control = {});

@@ -8,6 +8,7 @@
 
 #include "core/polish/cell_list.h"
 #include "core/polish/push.h"
+#include "core/random.h"
 #include "core/volume/box_domain3.h"
 #include "core/volume/solid_domain.h"
 
@@ -20,6 +21,14 @@ constexpr std::size_t kSites = 512;  ///< sites per task
 /// in the densest packing. If it were the distance of neighbours, sites would crowd in the first layer off the border.
 constexpr double kLayers = 0.816496580927726;
 constexpr double kMaxPush = 0.5;  ///< longest move, relative to the reach
+constexpr double kApart = 1e-9;   ///< distance at which coincident sites push each other, relative to the reach
+
+/// Returns the direction, different for each site, in which a site moves if it coincides with another site.
+Point3 own_way(std::size_t site) {
+    Random random(0, site);
+    const double x = random.uniform(), y = random.uniform(), z = random.uniform();
+    return {x - 0.5, y - 0.5, z - 0.5};
+}
 
 }  // namespace
 
@@ -59,14 +68,16 @@ double push_apart(const Domain& domain, const VolumeSpacing& spacing, std::span<
         for (std::size_t i = begin; i < end && !stop.stop_requested(); ++i) {
             const Point3 p = sites[i];
             const double own = reach * spacing.densest(p), range = ratio * own;
-            const Point3 move = pushed_off(cells, p, range, {}, [&](std::uint32_t number, double distance) {
+            const auto push_of = [&](std::uint32_t number, double distance) {
+                if (number == i) return PairPush{0, 0};
                 const std::uint32_t other = numbers[number];
                 double wanted = spacing.is_uniform() ? own : (own + reach * spacing.densest(sites[other])) / 2;
                 if (other == i) wanted *= kLayers;
                 least[begin / kSites] = std::min(least[begin / kSites], distance / wanted);
                 // A fixed site does not yield, so the other site moves twice as far.
                 return PairPush{wanted, other < free ? share : 2 * share};
-            });
+            };
+            const Point3 move = pushed_off(cells, p, range, {}, push_of, kApart * own * own_way(i));
             moved[i] = domain.moved(p, p + capped(move, kMaxPush * own));
         }
     });

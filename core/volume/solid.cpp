@@ -92,8 +92,8 @@ void for_pieces(const Polygon3& polygon, std::size_t axis, std::size_t cells, Vi
 
 }  // namespace
 
-Result<Solid> Solid::create(Surface surface) {
-    for (std::uint32_t face = 0; face < surface.face_count(); ++face) {
+Result<Solid> Solid::create(Surface surface, const std::stop_token& stop) {
+    for (std::uint32_t face = 0; face < surface.face_count() && !stop.stop_requested(); ++face) {
         const auto places = surface.places(face);
         for (std::uint32_t side = 0; side < 3; ++side) {
             if (surface.twin(4 * face + side) != Surface::kNone) continue;
@@ -102,8 +102,9 @@ Result<Solid> Solid::create(Surface surface) {
                                                     text(surface.to_input(places[(side + 1) % 3])));
         }
     }
-    Solid solid(std::move(surface));
-    const Coverage coverage = solid.coverage(kMeasureCells);
+    Solid solid(std::move(surface), stop);
+    const Coverage coverage = solid.coverage(kMeasureCells, stop);
+    if (stop.stop_requested()) return failure(ErrorCode::Stopped, "stopped before there was a result");
     const Point3 sides = solid.sides_;
     solid.volume_ = coverage.sum() / static_cast<double>(coverage.shares.size()) * (sides.x * sides.y * sides.z);
     if (!(solid.volume_ > kLeastVolume) || !solid.find_interior())
@@ -111,7 +112,7 @@ Result<Solid> Solid::create(Surface surface) {
     return solid;
 }
 
-Solid::Solid(Surface surface) : surface_(std::move(surface)) {
+Solid::Solid(Surface surface, const std::stop_token& stop) : surface_(std::move(surface)) {
     Box3 box{surface_.vertex(0), surface_.vertex(0)};
     for (std::uint32_t v = 0; v < surface_.vertex_count(); ++v) {
         const Point3 p = surface_.vertex(v);
@@ -119,8 +120,8 @@ Solid::Solid(Surface surface) : surface_(std::move(surface)) {
     }
     sides_ = box.max;
     bounds_ = {surface_.to_input(box.min), surface_.to_input(box.max)};
-    orient_shells();
-    list_columns();
+    orient_shells(stop);
+    list_columns(stop);
 }
 
 double Solid::volume() const {
@@ -128,7 +129,7 @@ double Solid::volume() const {
     return volume_ * scale * scale * scale;
 }
 
-void Solid::orient_shells() {
+void Solid::orient_shells(const std::stop_token& stop) {
     inverted_.assign(surface_.face_count(), false);
     std::vector<bool> visited(surface_.face_count(), false);
     std::vector<std::uint32_t> shell;
@@ -138,7 +139,7 @@ void Solid::orient_shells() {
         shell.assign(1, first);
         std::size_t turned = 0;
         // Unlike components, shells continue across creases.
-        for (std::size_t i = 0; i < shell.size(); ++i) {
+        for (std::size_t i = 0; i < shell.size() && !stop.stop_requested(); ++i) {
             const std::uint32_t face = shell[i];
             turned += surface_.is_turned(face) ? 1 : 0;
             for (std::uint32_t side = 0; side < 3; ++side) {
@@ -158,7 +159,7 @@ std::size_t Solid::column(double v, std::size_t axis) const {
     return side > 0 ? static_cast<std::size_t>(std::clamp(v / side * count, 0.0, count - 1)) : 0;
 }
 
-void Solid::list_columns() {
+void Solid::list_columns(const std::stop_token& stop) {
     struct Range {
         std::size_t first_y, last_y, first_z, last_z;
     };
@@ -173,7 +174,7 @@ void Solid::list_columns() {
         const auto count = static_cast<std::size_t>(std::max(1.0, along_axis));
         columns_ = {count, count};
         total = 0;
-        for (std::uint32_t face = 0; face < faces; ++face) {
+        for (std::uint32_t face = 0; face < faces && !stop.stop_requested(); ++face) {
             const Range range = range_of(face);
             total += static_cast<double>((range.last_y - range.first_y + 1) * (range.last_z - range.first_z + 1));
         }
@@ -186,10 +187,11 @@ void Solid::list_columns() {
         }
     };
     begins_.assign(columns_[0] * columns_[1] + 1, 0);
-    for (std::uint32_t face = 0; face < faces; ++face) for_columns(face, [&](std::size_t at) { ++begins_[at]; });
+    for (std::uint32_t face = 0; face < faces && !stop.stop_requested(); ++face)
+        for_columns(face, [&](std::size_t at) { ++begins_[at]; });
     std::partial_sum(begins_.begin(), begins_.end(), begins_.begin());
     faces_.resize(begins_.back());
-    for (std::uint32_t face = faces; face-- > 0;)
+    for (std::uint32_t face = faces; face-- > 0 && !stop.stop_requested();)
         for_columns(face, [&](std::size_t at) { faces_[--begins_[at]] = face; });
 }
 
@@ -244,7 +246,7 @@ double Solid::Coverage::sum() const {
     return std::accumulate(shares.begin(), shares.end(), 0.0);
 }
 
-Solid::Coverage Solid::coverage(double count) const {
+Solid::Coverage Solid::coverage(double count, const std::stop_token& stop) const {
     Coverage result;
     // A flat box has a single layer of cells, and a needle a single row.
     const double cell =
@@ -262,7 +264,7 @@ Solid::Coverage Solid::coverage(double count) const {
     shares.assign(columns * rows * layers, 0);
     result.crossed.assign(shares.size(), false);
     Polygon3 polygon;
-    for (std::uint32_t face = 0; face < surface_.face_count(); ++face) {
+    for (std::uint32_t face = 0; face < surface_.face_count() && !stop.stop_requested(); ++face) {
         polygon.clear();
         for (const Point3 p : surface_.places(face))
             polygon.push_back({p.x * per_length.x, p.y * per_length.y, p.z * per_length.z});

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <numbers>
+#include <stop_token>
 #include <vector>
 
 #include "core/geometry/point3.h"
@@ -25,9 +26,10 @@ public:
 
     /// Makes a solid. O(faces), and a constant time for measuring the volume.
     /// @param surface  with any creases
+    /// @param stop     polled regularly
     ///
-    /// Errors: Unusable if the surface is open (names a border edge) or encloses no volume.
-    static Result<Solid> create(Surface surface);
+    /// Errors: Unusable if the surface is open (names a border edge) or encloses no volume; Stopped.
+    static Result<Solid> create(Surface surface, const std::stop_token& stop = {});
 
     const Surface& surface() const { return surface_; }
 
@@ -62,17 +64,18 @@ public:
 
     /// Computes the coverage of a grid. It is exact up to rounding, except in cells where surfaces cross each other.
     /// @param count  approximate number of cells; the cells are nearly cubes, unless the box is very thin
+    /// @param stop   polled regularly; after a stop, the coverage is undefined
     ///
     /// O(cells + faces + cells crossed by each face).
-    Coverage coverage(double count) const;
+    Coverage coverage(double count, const std::stop_token& stop = {}) const;
 
 private:
-    explicit Solid(Surface surface);
+    Solid(Surface surface, const std::stop_token& stop);
 
     template <class Function>
     void for_crossings(Point3 p, Function&& function) const;
-    void orient_shells();
-    void list_columns();
+    void orient_shells(const std::stop_token& stop);
+    void list_columns(const std::stop_token& stop);
     bool find_interior();
     std::size_t column(double v, std::size_t axis) const;
 

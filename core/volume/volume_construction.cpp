@@ -7,7 +7,6 @@
 #include <span>
 #include <utility>
 
-#include "core/polish/cell_list.h"
 #include "core/volume/block_relaxation.h"
 #include "core/volume/box_domain3.h"
 #include "core/volume/near_push.h"
@@ -42,9 +41,9 @@ Schedule schedule_of(Quality quality, bool stealthy) {
         case Quality::Draft:
             return {.relaxations = 5};
         case Quality::Standard:
-            return {.wide_rounds = 8, .relaxations = 2, .rounds = 8, .reach = 0.9, .near_rounds = 2};
+            return {.wide_rounds = 8, .relaxations = 1, .rounds = 8, .reach = 0.9, .near_rounds = 2};
         default:
-            return {.wide_rounds = 30, .relaxations = 4, .rounds = 24, .near_rounds = 2, .waves = stealthy ? 20 : 0};
+            return {.wide_rounds = 24, .relaxations = 2, .rounds = 16, .near_rounds = 3, .waves = stealthy ? 20 : 0};
     }
 }
 
@@ -76,15 +75,13 @@ public:
           control_(control),
           executor_(*control.executor),
           free_(options.sites),
-          spacing_(domain.box(), density, points_in_box(domain, options.sites + fixed.size()), executor_),
+          spacing_(domain.box(), density, points_in_box(domain, options.sites + fixed.size()), executor_, control.stop),
           schedule_(schedule_of(options.quality, options.quality == Quality::Stealthy && domain.periodic &&
                                                      density.is_uniform() && fixed.empty())),
           transport_(volume_transport(domain.box(), domain.volume(), inside, spacing_, options.sites + fixed.size(),
-                                      schedule_.waves > 0, executor_)),
-          relaxation_(domain, density, spacing_, executor_) {
-        sites_ = draw_start(domain, density, inside, options.sites + fixed.size(), options.seed);
-        replace_nearest(fixed);
-    }
+                                      schedule_.waves > 0, executor_, control.stop)),
+          relaxation_(domain, density, spacing_, executor_),
+          sites_(draw_start(domain, density, inside, options.sites, fixed, options.seed, control.stop)) {}
 
     void execute() {
         report();
@@ -125,9 +122,6 @@ public:
 
 private:
     bool stopping() const { return control_.stop.stop_requested(); }
-
-    /// Replaces, for each fixed point, the nearest initial site by it. The fixed points come last in `sites_`.
-    void replace_nearest(std::span<const Point3> fixed);
 
     void push(double reach, double share, int times) {
         transport_.release_memory();  // a push needs as much memory itself
@@ -201,54 +195,32 @@ private:
     int done_ = 0;  ///< number of completed steps
 };
 
-template <class Domain>
-void VolumeConstruction<Domain>::replace_nearest(std::span<const Point3> fixed) {
-    if (fixed.empty()) return;
-    const CellList3 cells(sites_);
-    std::vector<bool> replaced(sites_.size(), false);
-    for (const Point3 p : fixed) {
-        std::optional<std::uint32_t> nearest;
-        // There are more initial sites than fixed points, so one is found.
-        for (double reach = spacing_.side(p); !nearest; reach *= 2) {
-            double least = reach * reach;
-            cells.for_near(p, reach, [&](Point3 site, std::uint32_t number) {
-                const double squared = dot(site - p, site - p);
-                if (replaced[number] || squared >= least) return;
-                nearest = number;
-                least = squared;
-            });
-        }
-        replaced[*nearest] = true;
-    }
-    std::vector<Point3> kept;
-    kept.reserve(sites_.size());
-    for (std::size_t i = 0; i < sites_.size(); ++i) {
-        if (!replaced[i]) kept.push_back(sites_[i]);
-    }
-    kept.insert(kept.end(), fixed.begin(), fixed.end());
-    sites_ = std::move(kept);
-}
-
 }  // namespace
 
 Result<void> check_sites(const VolumeOptions& options) {
-    if (options.sites >= 1 && options.sites <= VolumeOptions::kMostSites) return {};
-    return failure(ErrorCode::Malformed, "the number of points must be 1 to 2^31", "sites");
+    constexpr std::size_t kMost = VolumeOptions::kMostPoints;
+    if (options.sites >= 1 && options.sites <= kMost && options.fixed.size() <= kMost - options.sites) return {};
+    return failure(ErrorCode::Malformed,
+                   "the number of points must be at least 1 and, together with the fixed points, at most 2^30",
+                   "sites");
 }
 
 template <class Domain>
-VolumeDistribution construct_volume(const Domain& domain, const VoxelDensity& density,
-                                    std::optional<VoxelDensity> inside, const VolumeOptions& options,
-                                    std::span<const Point3> fixed, const Control& control) {
+Result<VolumeDistribution> construct_volume(const Domain& domain, const VoxelDensity& density,
+                                            std::optional<VoxelDensity> inside, const VolumeOptions& options,
+                                            std::span<const Point3> fixed, const Control& control) {
     VolumeConstruction construction(domain, density, inside ? *inside : density, options, fixed, control);
+    if (control.stop.stop_requested()) return failure(ErrorCode::Stopped, "stopped before there was a result");
     inside.reset();
     construction.execute();
     return construction.result(options.keep_mesh);
 }
 
-template VolumeDistribution construct_volume(const BoxDomain3&, const VoxelDensity&, std::optional<VoxelDensity>,
-                                             const VolumeOptions&, std::span<const Point3>, const Control&);
-template VolumeDistribution construct_volume(const SolidDomain&, const VoxelDensity&, std::optional<VoxelDensity>,
-                                             const VolumeOptions&, std::span<const Point3>, const Control&);
+template Result<VolumeDistribution> construct_volume(const BoxDomain3&, const VoxelDensity&,
+                                                     std::optional<VoxelDensity>, const VolumeOptions&,
+                                                     std::span<const Point3>, const Control&);
+template Result<VolumeDistribution> construct_volume(const SolidDomain&, const VoxelDensity&,
+                                                     std::optional<VoxelDensity>, const VolumeOptions&,
+                                                     std::span<const Point3>, const Control&);
 
 }  // namespace ccdt

@@ -16,9 +16,10 @@
 namespace ccdt {
 
 struct VolumeOptions {
-    static constexpr std::size_t kMostSites = std::size_t{1} << 31;
+    /// Largest number of sites and fixed points together. Their numbers, and those of their copies, fit 32 bits.
+    static constexpr std::size_t kMostPoints = std::size_t{1} << 30;
 
-    std::size_t sites = 0;   ///< 1 to kMostSites
+    std::size_t sites = 0;   ///< >= 1
     std::uint64_t seed = 0;  ///< [0, 2^53)
     /// Stealthy removes all power below half the principal frequency on a torus of uniform density without fixed
     /// points. For other domains, it is the same as Best.
@@ -40,7 +41,7 @@ struct VolumeDistribution {
     std::vector<std::uint32_t> ranks = {};  ///< [points] rank of each point in a progressive order; may be empty
 };
 
-/// Checks the number of sites. Errors: Malformed if it is out of range ("sites").
+/// Checks the number of points. Errors: Malformed if it is out of range ("sites").
 Result<void> check_sites(const VolumeOptions& options);
 
 /// Distributes sites in a domain whose longest side is 1. distribute_in_volume() describes the method.
@@ -49,9 +50,12 @@ Result<void> check_sites(const VolumeOptions& options);
 /// @param inside   the same, multiplied in each voxel by the share of the voxel that is in the domain; none if the
 ///                 domain is its bounding box
 /// @param fixed    the fixed points, in the domain's coordinates
+/// @param control  a stop returns the current sites
+///
+/// Errors: Stopped if a stop comes before all initial sites are drawn.
 template <class Domain>
-VolumeDistribution construct_volume(const Domain& domain, const VoxelDensity& density,
-                                    std::optional<VoxelDensity> inside, const VolumeOptions& options,
-                                    std::span<const Point3> fixed, const Control& control);
+Result<VolumeDistribution> construct_volume(const Domain& domain, const VoxelDensity& density,
+                                            std::optional<VoxelDensity> inside, const VolumeOptions& options,
+                                            std::span<const Point3> fixed, const Control& control);
 
 }  // namespace ccdt

@@ -8,8 +8,11 @@ namespace ccdt {
 
 namespace {
 
-constexpr double kMostCells = 256;  ///< limit on the cells of the grid along an axis
-constexpr int kSteps = 24;  ///< steps of bisection, which leave an error of 6e-8 times the cubic root of the volume
+constexpr double kMostCells = 200;  ///< limit on the cells of the grid along an axis
+/// Cells per mean spacing. With fewer cells, points crowd where the density changes within a few local spacings.
+constexpr double kCellsPerSpacing = 2.25;
+constexpr int kSteps = 48;           ///< largest number of steps towards a side; usually, 5 suffice
+constexpr double kTolerance = 1e-3;  ///< largest error of the number of points in a cube
 
 /// Returns the side of the cube around a place that holds one point, as if the part of the cube outside the domain held
 /// as many points per volume as the part inside.
@@ -27,10 +30,13 @@ double side_at(const BoxDomain3& domain, const VoxelDensity& density, double poi
         }
         return density.mass(cube) * points / part;
     };
-    double low = 0, high = std::cbrt(domain.volume());
+    double low = 0, high = std::cbrt(domain.volume()), side = high / std::cbrt(points);
     for (int step = 0; step < kSteps; ++step) {
-        const double middle = (low + high) / 2;
-        (held(middle) < 1 ? low : high) = middle;
+        const double number = held(side);
+        if (std::abs(number - 1) < kTolerance) return side;
+        (number < 1 ? low : high) = side;
+        const double guess = side / std::cbrt(number);  // right if the density is uniform
+        side = step % 2 == 0 && guess > low && guess < high ? guess : (low + high) / 2;
     }
     return high;
 }
@@ -38,11 +44,11 @@ double side_at(const BoxDomain3& domain, const VoxelDensity& density, double poi
 }  // namespace
 
 VolumeSpacing::VolumeSpacing(const BoxDomain3& domain, const VoxelDensity& density, std::size_t points,
-                             Executor& executor)
+                             Executor& executor, const std::stop_token& stop)
     : mean_(std::cbrt(domain.volume() / static_cast<double>(points))), domain_sides_(domain.sides) {
     if (density.is_uniform()) return;
     const auto cells = [&](double side) {
-        return static_cast<std::size_t>(std::clamp(std::ceil(side / mean_), 2.0, kMostCells));
+        return static_cast<std::size_t>(std::clamp(std::ceil(kCellsPerSpacing * side / mean_), 2.0, kMostCells));
     };
     cells_ = {cells(domain.sides.x), cells(domain.sides.y), cells(domain.sides.z)};
     const auto [columns, rows, layers] = cells_;
@@ -51,7 +57,7 @@ VolumeSpacing::VolumeSpacing(const BoxDomain3& domain, const VoxelDensity& densi
         return (static_cast<double>(cell) + 0.5) / static_cast<double>(cells_[axis]) * along(domain_sides_, axis);
     };
     for_ranges(executor, rows * layers, 1, [&, columns = columns, rows = rows](std::size_t line, std::size_t) {
-        for (std::size_t i = 0; i < columns; ++i) {
+        for (std::size_t i = 0; i < columns && !stop.stop_requested(); ++i) {
             const Point3 centre{place(i, 0), place(line % rows, 1), place(line / rows, 2)};
             sides_[line * columns + i] =
                 static_cast<float>(side_at(domain, density, static_cast<double>(points), centre));

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <stop_token>
 #include <vector>
 
 #include "core/geometry/hexagonal_spacing.h"
@@ -22,9 +23,11 @@ public:
     static constexpr double kMaxRatio = 1.5;
 
     /// @param points  number of points in the domain, >= 1
+    /// @param stop    polled regularly; after a stop, the spacing is undefined
     ///
-    /// With uniform density, O(1). Otherwise, O(points), with at most 256 cells along each axis of the grid.
-    VolumeSpacing(const BoxDomain3& domain, const VoxelDensity& density, std::size_t points, Executor& executor);
+    /// With uniform density, O(1). Otherwise, O(points), with at most 200 cells along each axis of the grid.
+    VolumeSpacing(const BoxDomain3& domain, const VoxelDensity& density, std::size_t points, Executor& executor,
+                  const std::stop_token& stop = {});
 
     bool is_uniform() const { return sides_.empty(); }
     double mean() const { return mean_; }  ///< the spacing if the density were uniform

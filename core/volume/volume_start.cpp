@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/volume/volume_start.h"
 
+#include <algorithm>
 #include <array>
 
 #include "core/random.h"
@@ -11,21 +12,25 @@ namespace ccdt {
 
 template <class Domain>
 std::vector<Point3> draw_start(const Domain& domain, const VoxelDensity& density, const VoxelDensity& inside,
-                               std::size_t sites, std::uint64_t seed) {
+                               std::size_t sites, std::span<const Point3> fixed, std::uint64_t seed,
+                               const std::stop_token& stop) {
     constexpr std::size_t kMostPerCell = 4;
     constexpr int kAttempts = 32;  // a site of a thin part of a solid is hard to find at random
     struct Cell {
         Box3 box;  ///< relative to the domain's sides
         std::size_t sites;
+        std::span<Point3> fixed;
     };
     const Point3 sides = domain.sides;
-    std::vector<Cell> cells{{{{0, 0, 0}, {1, 1, 1}}, sites}};
+    std::vector<Point3> sorted(fixed.begin(), fixed.end());
+    std::vector<Cell> cells{{{{0, 0, 0}, {1, 1, 1}}, sites, sorted}};
     std::vector<Point3> drawn;
-    drawn.reserve(sites);
-    while (!cells.empty()) {
+    drawn.reserve(sites + fixed.size());
+    while (!cells.empty() && !stop.stop_requested()) {
         const Cell cell = cells.back();
         cells.pop_back();
-        if (cell.sites <= kMostPerCell) {
+        const std::size_t points = cell.sites + cell.fixed.size();
+        if (points <= kMostPerCell || cell.sites == 0) {
             for (std::size_t i = 0; i < cell.sites; ++i) {
                 Random random(seed, drawn.size());
                 Point3 place;
@@ -45,19 +50,27 @@ std::vector<Point3> draw_start(const Domain& domain, const VoxelDensity& density
                                  : lengths[1] >= lengths[2]                           ? 1
                                                                                       : 2;
         Cell low = cell, high = cell;
-        low.sites = cell.sites / 2;
+        const std::size_t low_points = points / 2;
+        const double share = static_cast<double>(low_points) / static_cast<double>(points);
+        const double plane = inside.cut(cell.box, axis, share);
+        along(low.box.max, axis) = along(high.box.min, axis) = plane;
+        const auto is_low = [&](Point3 p) { return along(p, axis) < plane * along(sides, axis); };
+        const auto middle = std::partition(cell.fixed.begin(), cell.fixed.end(), is_low);
+        low.fixed = {cell.fixed.begin(), middle};
+        high.fixed = {middle, cell.fixed.end()};
+        // If the fixed points alone are too many for one part, the other one gets all sites.
+        low.sites = std::min(cell.sites, low_points - std::min(low_points, low.fixed.size()));
         high.sites = cell.sites - low.sites;
-        const double share = static_cast<double>(low.sites) / static_cast<double>(cell.sites);
-        along(low.box.max, axis) = along(high.box.min, axis) = inside.cut(cell.box, axis, share);
         cells.push_back(high);
         cells.push_back(low);
     }
+    drawn.insert(drawn.end(), fixed.begin(), fixed.end());
     return drawn;
 }
 
 template std::vector<Point3> draw_start(const BoxDomain3&, const VoxelDensity&, const VoxelDensity&, std::size_t,
-                                        std::uint64_t);
+                                        std::span<const Point3>, std::uint64_t, const std::stop_token&);
 template std::vector<Point3> draw_start(const SolidDomain&, const VoxelDensity&, const VoxelDensity&, std::size_t,
-                                        std::uint64_t);
+                                        std::span<const Point3>, std::uint64_t, const std::stop_token&);
 
 }  // namespace ccdt

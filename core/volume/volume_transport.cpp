@@ -13,20 +13,20 @@ namespace {
 /// Upper limit of the removed frequencies of a uniform density, in cycles per mean spacing. It is just above half the
 /// principal frequency of the densest packing, 0.5456.
 constexpr double kLimit = 0.55;
-/// Cells per spacing: four cells per cycle of the highest frequency or, if the grid must be precise, nearly six. See
+/// Cells per spacing: 3.3 cells per cycle of the highest frequency or, if the grid must be precise, nearly six. See
 /// SemicircleKernel for the errors.
-constexpr double kCellsPerSpacing = 2.2, kPreciseCells = 3.2;
+constexpr double kCellsPerSpacing = 1.8, kPreciseCells = 3.2;
 /// Largest density that octave 0 resolves, relative to the mean density.
 constexpr double kMaxContrast = 4;
-/// The grid of octave 0 has at most kMostCells per point, or kFewestCells if that is more. A solid that fills a small
-/// part of its bounding box reaches this limit.
-constexpr double kMostCells = 44, kFewestCells = 1 << 17;
+/// The grid of octave 0 has at most kMostVolumes times the cells that a domain needs that fills its bounding box, or
+/// kFewestCells if that is more. A solid that fills a small part of its bounding box reaches this limit.
+constexpr double kMostVolumes = 3.8, kFewestCells = 1 << 17;
 
 /// Returns the spacing that octave 0 resolves, in a grid with `cells` cells per spacing.
 /// @param contrast  mean density at the points, relative to the mean density of the box
 double finest_spacing(const BoxDomain3& box, double contrast, const VolumeSpacing& spacing, double points,
                       double cells) {
-    const double most = std::max(kFewestCells, kMostCells * points);
+    const double most = std::max(kFewestCells, kMostVolumes * std::pow(cells, 3) * points);
     double finest =
         std::max(spacing.mean() / std::cbrt(std::min(contrast, kMaxContrast)), cells * std::cbrt(box.volume() / most));
     // Thin domains have more cells, because each axis has at least kMinCells.
@@ -41,7 +41,7 @@ double finest_spacing(const BoxDomain3& box, double contrast, const VolumeSpacin
 
 OctaveTransport<Point3> volume_transport(const BoxDomain3& box, double volume, const VoxelDensity& density,
                                          const VolumeSpacing& spacing, std::size_t points, bool precise,
-                                         Executor& executor) {
+                                         Executor& executor, const std::stop_token& stop) {
     const auto count = static_cast<double>(points);
     const double cells = precise ? kPreciseCells : kCellsPerSpacing;
     const double contrast = spacing.is_uniform() ? 1 : density.contrast() * volume / box.volume();
@@ -60,7 +60,7 @@ OctaveTransport<Point3> volume_transport(const BoxDomain3& box, double volume, c
     const std::span<double> spacings = grid.grid();
     std::vector<double> masses(spacings.size());
     for_ranges(executor, masses.size() / width, 1, [&](std::size_t line, std::size_t) {
-        for (std::size_t i = 0; i < width; ++i) {
+        for (std::size_t i = 0; i < width && !stop.stop_requested(); ++i) {
             const auto x = static_cast<double>(i), y = static_cast<double>(line % height),
                        z = static_cast<double>(line / height);
             const Box3 part{
@@ -71,8 +71,9 @@ OctaveTransport<Point3> volume_transport(const BoxDomain3& box, double volume, c
             masses[line * width + i] = count * density.mass(part);
         }
     });
+    if (stop.stop_requested()) return transport;
     if (!spacing.is_uniform()) transport.assign_octaves(spacings, masses);
-    transport.set_targets(masses, {});
+    transport.set_targets(masses, stop);
     transport.release_memory();
     return transport;
 }

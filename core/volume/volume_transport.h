@@ -20,8 +20,9 @@ namespace ccdt {
 /// @param points   number of sites and fixed points
 /// @param precise  whether the grid is precise enough to reduce power to -100 dB, which takes more than twice the
 ///                 memory
+/// @param stop     polled regularly; after a stop, the transport must not be used
 OctaveTransport<Point3> volume_transport(const BoxDomain3& box, double volume, const VoxelDensity& density,
                                          const VolumeSpacing& spacing, std::size_t points, bool precise,
-                                         Executor& executor);
+                                         Executor& executor, const std::stop_token& stop = {});
 
 }  // namespace ccdt

@@ -89,7 +89,7 @@ struct VolumeSample {
 
 /// Distributes points evenly in space.
 ///
-/// @param sites  number of points, 1 to 2^31; the result has exactly this number
+/// @param sites  number of points, 1 to 2^30 with the fixed points; the result has exactly this number
 ///
 /// Errors: Malformed for an option out of range, a number of density values other than that of the voxels, a side that
 /// is not positive or not finite, a vertex that is not finite, an index without a vertex, and a fixed point outside the

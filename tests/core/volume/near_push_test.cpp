@@ -44,5 +44,13 @@ TEST(NearPush, MovesSitesOffTheFacesOfABox) {
     EXPECT_NEAR(2 * sites[0].z, 0.8165 * kDensest, 1e-4);
 }
 
+TEST(NearPush, SeparatesCoincidentSites) {
+    std::vector<Point3> sites(3, {0.5, 0.5, 0.5});
+    EXPECT_LT(push(kBox, sites, 2), 1e-6);
+    for (int i = 0; i < 20; ++i) push(kBox, sites, 2);
+    EXPECT_NEAR(push(kBox, sites, 2), 1, 1e-2);
+    EXPECT_EQ(sites[2], (Point3{0.5, 0.5, 0.5}));
+}
+
 }  // namespace
 }  // namespace ccdt

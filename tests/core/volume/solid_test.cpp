@@ -104,5 +104,14 @@ TEST(Solid, RejectsOpenAndFlatSurfaces) {
     }
 }
 
+TEST(Solid, StopsWhileItIsMade) {
+    std::stop_source source;
+    source.request_stop();
+    auto surface = std::move(Surface::create(test::cube_surface(), std::nullopt, {}).value().surface);
+    const auto solid = Solid::create(std::move(surface), source.get_token());
+    ASSERT_FALSE(solid);
+    EXPECT_EQ(solid.error().code, ErrorCode::Stopped);
+}
+
 }  // namespace
 }  // namespace ccdt
