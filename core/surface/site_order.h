@@ -8,17 +8,19 @@
 
 namespace ccdt {
 
-/// An order in which the free sites of a mesh are moved, many of them in parallel. The result does not depend on the
+/// An order in which free sites of a mesh are moved, many of them in parallel. The result does not depend on the
 /// number of threads. Each site belongs to the smallest block that contains it and its free neighbours. The sites
 /// of a block are moved one after another, the blocks of a level in parallel, and the levels from small blocks to large
 /// ones.
 class SiteOrder {
 public:
-    /// Computes the order, which is valid until edges change. O(sites).
-    explicit SiteOrder(const SurfaceTriangulation& mesh) : executor_(mesh.executor()) {
+    /// Computes the order of the sites that `moves` accepts. It is valid until edges change. O(sites).
+    template <class Moves>
+    SiteOrder(const SurfaceTriangulation& mesh, Moves&& moves) : executor_(mesh.executor()) {
         const SiteBlocks& blocks = mesh.blocks();
         for (int level = 0; level < blocks.levels(); ++level) levels_.emplace_back(blocks.count(level));
         for (std::uint32_t site = 0; site < mesh.free_count(); ++site) {
+            if (!moves(site)) continue;
             const std::uint32_t number = blocks.of(site);
             std::uint32_t apart = 0;
             mesh.for_edges(site, [&](std::uint32_t h) {
@@ -31,7 +33,7 @@ public:
         }
     }
 
-    /// Calls function(site) for each free site. The function may move the site and read its neighbours.
+    /// Calls function(site) for each site. The function may move the site and read its neighbours.
     template <class Function>
     void for_sites(Function&& function) const {
         for (const auto& blocks : levels_) {

@@ -87,7 +87,7 @@ double SiteRelaxation::variation() {
 void SiteRelaxation::iterate(int passes, const std::stop_token& stop) {
     mesh_.restore_delaunay(stop);
     set_goals();
-    const SiteOrder order(mesh_);
+    const SiteOrder order(mesh_, [](std::uint32_t) { return true; });
     for (int pass = 0; pass < passes && !stop.stop_requested(); ++pass)
         order.for_sites([&](std::uint32_t site) { move(site); });
 }
