@@ -275,7 +275,7 @@ Point3 Surface::place(const SurfacePoint& point) const {
 Point3 Surface::smooth_normal(const SurfacePoint& point) const {
     const auto& [a, b, c] = faces_[point.face].corners;
     const Point3 sum = point.weights[0] * normals_[a] + point.weights[1] * normals_[b] + point.weights[2] * normals_[c];
-    return squared(sum) < 1e-24 ? faces_[point.face].normal : unit(sum);
+    return squared(sum) < 1e-24 ? faces_[point.face].normal : 1 / length(sum) * sum;
 }
 
 Point3 Surface::to_input(Point3 p) const {
@@ -288,6 +288,7 @@ Point3 Surface::from_input(Point3 p) const {
 }
 
 SurfacePoint Surface::trace(const SurfacePoint& from, Point3 move) const {
+    if (const auto to = moved_in_face(from, move)) return *to;
     const double size = largest(move);
     if (!(size > 0) || !is_finite(move)) return from;
     const Point3 direction = 1 / size * move;
@@ -301,6 +302,26 @@ SurfacePoint Surface::trace(const SurfacePoint& from, Point3 move) const {
         cross_edge(walk);
     }
     return {walk.face, mixed(walk.entry, walk.exit_weights(), walk.left / walk.distance)};
+}
+
+/// Follows a line that ends in its first face, as most short ones do. Returns none if the line leaves the face, or if
+/// rounding errors could be large.
+std::optional<SurfacePoint> Surface::moved_in_face(const SurfacePoint& from, Point3 move) const {
+    constexpr double kLeastShare = 1e-6;  // of the squared move that is in the plane of the face
+    const Face& face = faces_[from.face];
+    if (face.flat) return std::nullopt;
+    const double all = dot(move, move);
+    const Point3 inside = move - dot(move, face.normal) * face.normal;
+    const double share = dot(inside, inside) / all;
+    if (!(share > kLeastShare)) return std::nullopt;
+    const Point3 turned = 1 / (2 * face.area * std::sqrt(share)) * cross(inside, face.normal);
+    SurfacePoint to = from;
+    const auto [a, b, c] = places(from.face);
+    to.weights[0] += dot(turned, c - b);
+    to.weights[1] += dot(turned, a - c);
+    to.weights[2] += dot(turned, b - a);
+    if (!(std::ranges::min(to.weights) >= 0)) return std::nullopt;
+    return to;
 }
 
 /// Finds where a line leaves its first face. Returns false if the direction is perpendicular to the face.

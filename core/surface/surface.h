@@ -138,6 +138,7 @@ private:
     double height(std::uint32_t face, double base) const {
         return faces_[face].flat ? 0 : 2 * faces_[face].area / base;
     }
+    std::optional<SurfacePoint> moved_in_face(const SurfacePoint& from, Point3 move) const;
     bool begin_walk(Walk& walk, Point3 direction) const;
     void cross_edge(Walk& walk) const;
     void measure_faces();

@@ -379,13 +379,16 @@ void SurfaceTriangulation::move(std::uint32_t vertex, Point3 by) {
         const SurfacePoint to = surface_->trace(points_[vertex], by);
         const Point3 place = surface_->place(to), up = surface_->smooth_normal(to);
         bool sound = true;
+        std::uint32_t a = links_.target(links_.edge_of(vertex));
+        Point3 old_side = places_[a] - before, new_side = places_[a] - place;
         links_.for_edges(vertex, [&](std::uint32_t h) {
-            const std::uint32_t a = links_.target(h), b = links_.apex(h);
-            const Point3 x = places_[a], y = places_[b];
-            const Point3 old = cross(x - before, y - before), now = cross(x - place, y - place);
+            const std::uint32_t first = std::exchange(a, links_.apex(h));
+            const Point3 x = std::exchange(old_side, places_[a] - before);
+            const Point3 u = std::exchange(new_side, places_[a] - place);
+            const Point3 old = cross(x, old_side), now = cross(u, new_side);
             sound = sound && dot(now, old) >= kLeastArea * dot(old, old);
             if (!sound || dot(now, up) > 0) return;
-            const Point3 others = normals_[a] + normals_[b];
+            const Point3 others = normals_[first] + normals_[a];
             sound = dot(now, up + others) >= std::min(0.0, dot(old, normals_[vertex] + others));
         });
         if (!sound) continue;
