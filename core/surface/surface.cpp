@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "core/surface/face_tree.h"
-#include "core/surface/surface_repair.h"
 
 namespace ccdt {
 
@@ -156,16 +155,7 @@ Result<Surface::Made> Surface::create(const TriangleSoup& soup, std::optional<do
     if (connected->faces.empty()) return failure(ErrorCode::Unusable, "no triangle has an area");
 
     surface.vertices_ = std::move(connected->vertices);
-    surface.faces_.resize(connected->faces.size());
-    for (std::size_t f = 0; f < surface.faces_.size(); ++f) {
-        const ConnectedTriangles::Face& from = connected->faces[f];
-        Face& face = surface.faces_[f];
-        face.corners = from.corners;
-        face.twins = from.twins;
-        face.triangle = from.triangle;
-        face.turned = from.turned;
-        face.flat = from.flat;
-    }
+    for (const ConnectedTriangles::Face& face : connected->faces) surface.faces_.push_back({face});
     connected->faces = {};
     surface.measure_faces();
     surface.mark_creases(crease);

@@ -14,6 +14,7 @@
 #include "core/geometry/point3.h"
 #include "core/result.h"
 #include "core/surface/surface_note.h"
+#include "core/surface/surface_repair.h"
 #include "core/surface/triangle_soup.h"
 
 namespace ccdt {
@@ -115,16 +116,11 @@ public:
 private:
     struct Tree;
     struct Walk;
-    struct Face {
-        std::array<std::uint32_t, 3> corners{};
-        std::array<std::uint32_t, 3> twins{kNone, kNone, kNone};
-        std::uint32_t triangle = 0;
-        std::uint32_t component = 0;
+    struct Face : ConnectedTriangles::Face {
         std::uint8_t creases = 0;  ///< bit i is set if edge i is a crease
-        bool turned = false;       ///< whether the last two corners of the triangle were swapped
-        bool flat = false;         ///< whether the corners are on one line, up to rounding
+        std::uint32_t component = 0;
         double area = 0;
-        Point3 normal;
+        Point3 normal{};
     };
 
     Surface();

@@ -8,6 +8,8 @@
 #include <tuple>
 #include <utility>
 
+#include "core/geometry/morton.h"
+
 namespace ccdt {
 
 namespace {
@@ -100,7 +102,7 @@ private:
     void remove_flat_borders();
     std::uint32_t longest_side(const Face& face) const;
     void apply_turns();
-    void compact();
+    void sort_faces();
     void split_vertices();
     void number_fan(std::uint32_t face, std::uint32_t corner, std::uint32_t number,
                     std::vector<Corners>& numbers) const;
@@ -402,15 +404,20 @@ void Connector::apply_turns() {
     }
 }
 
-/// Drops removed faces.
-void Connector::compact() {
-    std::vector<std::uint32_t> numbers(result_.faces.size());
-    std::uint32_t number = 0;
-    for (std::size_t f = 0; f < numbers.size(); ++f) {
-        numbers[f] = number;
-        if (!removed_[f]) result_.faces[number++] = result_.faces[f];
+/// Drops removed faces, and sorts the others along the curve.
+void Connector::sort_faces() {
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
+    for (std::uint32_t f = 0; f < removed_.size(); ++f) {
+        const auto& [a, b, c] = result_.faces[f].corners;
+        if (!removed_[f]) order.emplace_back(morton_position(1.0 / 3 * (positions_[a] + positions_[b] + positions_[c])), f);
     }
-    result_.faces.resize(number);
+    std::ranges::sort(order);
+    std::vector<std::uint32_t> numbers(removed_.size());
+    const std::vector<Face> unsorted = std::exchange(result_.faces, {});
+    for (const auto& [position, f] : order) {
+        numbers[f] = static_cast<std::uint32_t>(result_.faces.size());
+        result_.faces.push_back(unsorted[f]);
+    }
     for (Face& face : result_.faces) {
         for (std::uint32_t& other : face.twins) {
             if (other != kNone) other = 4 * numbers[other / 4] + other % 4;
@@ -481,7 +488,7 @@ Result<ConnectedTriangles> Connector::run(std::span<const Corners> triangles) {
     if (stopping()) return failure(ErrorCode::Stopped, "stopped before there was a result");
     remove_flat_borders();
     apply_turns();
-    compact();
+    sort_faces();
     split_vertices();
     note();
     return std::move(result_);
