@@ -37,8 +37,8 @@ tl::unexpected<Error> no_colours(const SurfaceFile& file, std::string reason) {
 }
 
 /// @param read  contents of the file, with valid colours
-Result<SurfaceDensity> make_density(const SurfaceRequest& request, const Surface& surface,
-                                    const SurfaceContents& read) {
+Result<SurfaceDensity> make_density(const SurfaceRequest& request, const Surface& surface, const SurfaceContents& read,
+                                    const std::stop_token& stop) {
     const double spacing = std::sqrt(surface.total_area() / static_cast<double>(request.run.sites));
     if (const auto* values = std::get_if<std::vector<double>>(&request.density))
         return SurfaceDensity::of_vertices(surface, read.soup, *values);
@@ -48,9 +48,9 @@ Result<SurfaceDensity> make_density(const SurfaceRequest& request, const Surface
         case SurfaceDensityKind::Colour:
             if (read.soup.colours.empty() && (!read.picture_error.empty() || read.soup.materials.empty()))
                 return no_colours(request.file, read.picture_error);
-            return SurfaceDensity::of_colours(surface, read.soup, spacing);
+            return SurfaceDensity::of_colours(surface, read.soup, spacing, stop);
         case SurfaceDensityKind::Curvature:
-            return SurfaceDensity::of_curvature(surface, spacing);
+            return SurfaceDensity::of_curvature(surface, spacing, SurfaceDensity::kContrast, stop);
     }
     return SurfaceDensity::uniform();
 }
@@ -104,7 +104,7 @@ Result<PlacedSurface> place_surface(const SurfaceRequest& request, const Decode&
     auto made = Surface::create(read->soup, request.crease, control.stop);
     if (!made) return tl::unexpected(std::move(made.error()));
     drop_invalid(read->soup, made->warnings);
-    const auto density = make_density(request, made->surface, *read);
+    const auto density = make_density(request, made->surface, *read, control.stop);
     if (!density) return tl::unexpected(density.error());
     if (!read->picture_error.empty()) made->warnings.push_back({read->picture_error});
     auto dots = distribute_on_surface(made->surface, *density, request.run, control);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <stop_token>
 #include <vector>
 
 #include "core/surface/surface_triangulation.h"
@@ -33,11 +34,13 @@ public:
         }
     }
 
-    /// Calls function(site) for each site. The function may move the site and read its neighbours.
+    /// Calls function(site) for each site. The function may move the site and read its neighbours. A stop skips the
+    /// blocks that have not begun.
     template <class Function>
-    void for_sites(Function&& function) const {
+    void for_sites(const std::stop_token& stop, Function&& function) const {
         for (const auto& blocks : levels_) {
             executor_.run(blocks.size(), [&](std::size_t block) {
+                if (stop.stop_requested()) return;
                 for (const std::uint32_t site : blocks[block]) function(site);
             });
         }

@@ -99,6 +99,7 @@ void SitePolish::even_out() {
         flow_.emplace(mesh_.site_count(), edges, mesh_.executor());
         owner_ = owners(mesh_);
     }
+    if (stop_.stop_requested()) return;
     const auto masses = masses_.measure(mesh_);
     const std::span<double> errors = flow_->errors();
     std::ranges::fill(errors, 1);
@@ -119,8 +120,7 @@ void SitePolish::apply() {
     row.keep_off_vertices(mesh_, spacings_, kFirstRow, moves_);
     row.keep_off_edges(mesh_, spacings_, kFirstRow, moves_);
     const SiteOrder order(mesh_, [&](std::uint32_t site) { return moves_[site] != Point3{}; });
-    if (stop_.stop_requested()) return;
-    order.for_sites([&](std::uint32_t site) { mesh_.move(site, moves_[site]); });
+    order.for_sites(stop_, [&](std::uint32_t site) { mesh_.move(site, moves_[site]); });
 }
 
 bool SitePolish::is_any_nearer(double least) {

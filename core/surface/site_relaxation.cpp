@@ -105,7 +105,7 @@ void SiteRelaxation::iterate(int passes, const std::stop_token& stop) {
     set_goals();
     const SiteOrder order(mesh_, [](std::uint32_t) { return true; });
     for (int pass = 0; pass < passes && !stop.stop_requested(); ++pass)
-        order.for_sites([&](std::uint32_t site) { move(site); });
+        order.for_sites(stop, [&](std::uint32_t site) { move(site); });
 }
 
 void SiteRelaxation::move(std::uint32_t site) {

@@ -160,7 +160,7 @@ Result<Surface::Made> Surface::create(const TriangleSoup& soup, std::optional<do
     surface.measure_faces();
     surface.mark_creases(crease);
     surface.number_components();
-    surface.compute_vertex_normals();
+    if (!stop.stop_requested()) surface.compute_vertex_normals();
     if (stop.stop_requested()) return failure(ErrorCode::Stopped, "stopped before there was a result");
     surface.tree_ = std::make_unique<Tree>();
     return Made{std::move(surface), std::move(connected->repairs), {}};

@@ -59,7 +59,7 @@ public:
 
     double area(std::uint32_t vertex) const { return areas_[vertex]; }
 
-    std::vector<Point3> apply(std::vector<Point3> x) const {
+    std::vector<Point3> apply(std::vector<Point3> x, const std::stop_token& stop) const {
         constexpr int kMaxSteps = 100;
         constexpr double kTolerance = 1e-8;  // of the squared residual
         std::vector<Point3> residual = image(x);
@@ -67,7 +67,7 @@ public:
         std::vector<Point3> scaled = preconditioned(residual), direction = scaled;
         double size = inner_product(residual, scaled);
         const double enough = kTolerance * size;
-        for (int step = 0; step < kMaxSteps && size > enough; ++step) {
+        for (int step = 0; step < kMaxSteps && size > enough && !stop.stop_requested(); ++step) {
             const std::vector<Point3> change = image(direction);
             const double length = size / inner_product(direction, change);
             for (std::size_t v = 0; v < x.size(); ++v) {
@@ -222,7 +222,8 @@ Result<SurfaceDensity> SurfaceDensity::of_vertices(const Surface& surface, const
     return of_soup(surface, soup, values);
 }
 
-Result<SurfaceDensity> SurfaceDensity::of_colours(const Surface& surface, const TriangleSoup& soup, double spacing) {
+Result<SurfaceDensity> SurfaceDensity::of_colours(const Surface& surface, const TriangleSoup& soup, double spacing,
+                                                  const std::stop_token& stop) {
     if (!soup.has_colours()) return failure(ErrorCode::Unusable, "the mesh has no colours", "density");
     const auto sides = choose_sides(surface, soup, spacing);
     SurfaceDensity density;
@@ -234,14 +235,15 @@ Result<SurfaceDensity> SurfaceDensity::of_colours(const Surface& surface, const 
         if (soup.has_picture(surface.triangle_of(f))) {
             weights.assign(count, 0);
             const auto samples = samples_per_side(soup, surface.triangle_of(f), sides[f]);
-            for_face_pieces(sides[f] * samples, [&](const std::array<double, 3>& at) {
+            const auto add = [&](const std::array<double, 3>& at) {
                 const double darkness = darkness_at(surface, soup, {f, at});
                 const InPiece in(sides[f], at);
                 for (std::size_t k = 0; k < 3; ++k) {
                     values[in.corners[k]] += in.weights[k] * darkness;
                     weights[in.corners[k]] += in.weights[k];
                 }
-            });
+            };
+            for_face_pieces(sides[f] * samples, add, stop);
             for (std::size_t i = 0; i < count; ++i) values[i] /= weights[i];
         } else {
             for (std::size_t k = 0; k < 3; ++k) {
@@ -256,15 +258,18 @@ Result<SurfaceDensity> SurfaceDensity::of_colours(const Surface& surface, const 
                 mean += values[corner] / static_cast<double>(3 * side * side);
         });
         density.grids_.push_back({first, sides[f], mean});
+        if (stop.stop_requested())
+            return failure(ErrorCode::Stopped, "stopped before the density was known", "density");
     }
     return density;
 }
 
-SurfaceDensity SurfaceDensity::of_curvature(const Surface& surface, double spacing, double contrast) {
+SurfaceDensity SurfaceDensity::of_curvature(const Surface& surface, double spacing, double contrast,
+                                            const std::stop_token& stop) {
     const Smoothing smoothing(surface, spacing);
     std::vector<Point3> normals(surface.vertex_count());
     for (std::uint32_t v = 0; v < normals.size(); ++v) normals[v] = surface.vertex_normal(v);
-    normals = smoothing.apply(std::move(normals));
+    normals = smoothing.apply(std::move(normals), stop);
     for (Point3& normal : normals) normal = 1 / std::max(length(normal), 1e-12) * normal;
 
     // Integrals of the squared curvatures over the faces around each vertex.

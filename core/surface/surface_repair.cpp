@@ -50,9 +50,10 @@ std::array<Point3, 2> shorter_sides(const std::array<Point3, 3>& triangle) {
 
 class Connector {
 public:
-    Connector(std::span<const Point3> positions, const std::stop_token& stop) : positions_(positions), stop_(stop) {}
+    Connector(std::span<const Point3> positions, std::span<const Corners> triangles, const std::stop_token& stop)
+        : positions_(positions), triangles_(triangles), stop_(stop) {}
 
-    Result<ConnectedTriangles> run(std::span<const Corners> triangles);
+    Result<ConnectedTriangles> run();
 
 private:
     /// A half-edge, listed at the end with the lower number.
@@ -84,7 +85,7 @@ private:
     void remove(std::uint32_t face, Count& count);
 
     void number_positions();
-    void take_triangles(std::span<const Corners> triangles);
+    void take_triangles();
     void pair_edges();
     template <class Function>
     void for_edges(std::uint32_t low, Function&& function);
@@ -109,6 +110,7 @@ private:
     void note();
 
     std::span<const Point3> positions_;
+    std::span<const Corners> triangles_;
     const std::stop_token& stop_;
     ConnectedTriangles result_;
 
@@ -162,11 +164,11 @@ void Connector::number_positions() {
     }
 }
 
-void Connector::take_triangles(std::span<const Corners> triangles) {
-    result_.faces.reserve(triangles.size());
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
+void Connector::take_triangles() {
+    result_.faces.reserve(triangles_.size());
+    for (std::size_t t = 0; t < triangles_.size(); ++t) {
         const auto triangle = static_cast<std::uint32_t>(t);
-        const auto [a, b, c] = triangles[t];
+        const auto [a, b, c] = triangles_[t];
         const Corners corners{vertex_of_[a], vertex_of_[b], vertex_of_[c]};
         if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) {
             without_area_.add(triangle);
@@ -177,6 +179,7 @@ void Connector::take_triangles(std::span<const Corners> triangles) {
                                  .flat = ConnectedTriangles::is_flat({positions_[a], positions_[b], positions_[c]})});
     }
     removed_.resize(result_.faces.size());
+    on_cut_.resize(positions_.size());
 }
 
 /// Lists the sides of all faces by their lower vertices, and pairs the sides of each edge.
@@ -409,7 +412,8 @@ void Connector::sort_faces() {
     std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
     for (std::uint32_t f = 0; f < removed_.size(); ++f) {
         const auto& [a, b, c] = result_.faces[f].corners;
-        if (!removed_[f]) order.emplace_back(morton_position(1.0 / 3 * (positions_[a] + positions_[b] + positions_[c])), f);
+        if (!removed_[f])
+            order.emplace_back(morton_position(1.0 / 3 * (positions_[a] + positions_[b] + positions_[c])), f);
     }
     std::ranges::sort(order);
     std::vector<std::uint32_t> numbers(removed_.size());
@@ -479,17 +483,14 @@ void Connector::note() {
         " vertices where the surface only touches itself were cut");
 }
 
-Result<ConnectedTriangles> Connector::run(std::span<const Corners> triangles) {
-    number_positions();
-    take_triangles(triangles);
-    on_cut_.resize(positions_.size());
-    pair_edges();
-    if (!stopping()) orient();
-    if (stopping()) return failure(ErrorCode::Stopped, "stopped before there was a result");
-    remove_flat_borders();
-    apply_turns();
-    sort_faces();
-    split_vertices();
+Result<ConnectedTriangles> Connector::run() {
+    constexpr std::array kSteps{&Connector::number_positions, &Connector::take_triangles,      &Connector::pair_edges,
+                                &Connector::orient,           &Connector::remove_flat_borders, &Connector::apply_turns,
+                                &Connector::sort_faces,       &Connector::split_vertices};
+    for (const auto step : kSteps) {
+        (this->*step)();
+        if (stopping()) return failure(ErrorCode::Stopped, "stopped before there was a result");
+    }
     note();
     return std::move(result_);
 }
@@ -510,7 +511,7 @@ bool ConnectedTriangles::is_flat(const std::array<Point3, 3>& triangle) {
 Result<ConnectedTriangles> connect_triangles(std::span<const Point3> positions,
                                              std::span<const std::array<std::uint32_t, 3>> triangles,
                                              const std::stop_token& stop) {
-    return Connector(positions, stop).run(triangles);
+    return Connector(positions, triangles, stop).run();
 }
 
 }  // namespace ccdt

@@ -337,7 +337,8 @@ bool SurfaceTriangulation::can_collapse(std::uint32_t edge) const {
         // On a border, the last neighbour has no half-edge from a.
         if (y != b && links_.twin(Links::previous(h)) == kNone && links_.are_joined(b, y)) ++common;
         if (x == b || y == b) return;
-        sound = sound && dot(cross(places_[x] - places_[b], places_[y] - places_[b]), normals_[b] + normals_[x] + normals_[y]) > 0;
+        sound = sound && dot(cross(places_[x] - places_[b], places_[y] - places_[b]),
+                             normals_[b] + normals_[x] + normals_[y]) > 0;
     });
     if (!sound || common != (twin == kNone ? 1 : 2)) return false;
     const auto is_free = [&](std::uint32_t h) {

@@ -86,6 +86,9 @@ TEST(SurfaceDensity, FollowsTheDarknessOfColours) {
     }
     soup.colours.assign(4, {1, 1, 1});
     EXPECT_EQ(total_mass(surface, *SurfaceDensity::of_colours(surface, soup, 0.1)), 0);
+    std::stop_source source;
+    source.request_stop();
+    EXPECT_EQ(SurfaceDensity::of_colours(surface, soup, 0.1, source.get_token()).error().code, ErrorCode::Stopped);
 }
 
 /// Adds a picture of dark and light squares, `cells` in each direction, to a soup. The dark ones have the darkness
