@@ -79,8 +79,7 @@ struct SiteRelaxation::Ring {
 SiteRelaxation::SiteRelaxation(SurfaceTriangulation& mesh, const SurfaceDensity& density, double capacity)
     : mesh_(mesh), density_(density), capacity_(capacity) {}
 
-/// Sets the goals of all triangles and returns the capacity variation.
-double SiteRelaxation::set_goals() {
+double SiteRelaxation::variation() {
     goals_.assign(mesh_.triangle_count(), {});
     for_ranges(mesh_.executor(), goals_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
         for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
@@ -96,13 +95,9 @@ double SiteRelaxation::set_goals() {
     return aims.reached.variation();
 }
 
-double SiteRelaxation::variation() {
-    return set_goals();
-}
-
 void SiteRelaxation::iterate(int passes, const std::stop_token& stop) {
     mesh_.restore_delaunay(stop);
-    set_goals();
+    variation();  // sets the goals
     const SiteOrder order(mesh_, [](std::uint32_t) { return true; });
     for (int pass = 0; pass < passes && !stop.stop_requested(); ++pass)
         order.for_sites(stop, [&](std::uint32_t site) { move(site); });

@@ -9,11 +9,14 @@
 #include <string>
 #include <utility>
 
+#include "core/mesh/triangle_links.h"
 #include "core/surface/face_tree.h"
 
 namespace ccdt {
 
 namespace {
+
+using Links = TriangleLinks;
 
 // Squares and products of lengths, and their sums, must be finite and keep full precision.
 constexpr double kMinExtent = 1e-140, kMaxExtent = 1e140;
@@ -23,13 +26,6 @@ constexpr double kMinSize = 1e-9;
 constexpr double kRounder = 0x1p16;
 // Share of the way to the centroid by which points on an edge are moved into their face.
 constexpr double kInset = 1e-9;
-
-constexpr std::uint32_t next(std::uint32_t side) {
-    return side == 2 ? 0 : side + 1;
-}
-constexpr std::uint32_t previous(std::uint32_t side) {
-    return side == 0 ? 2 : side - 1;
-}
 
 double largest(Point3 p) {
     return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
@@ -117,7 +113,7 @@ struct Surface::Walk {
     std::array<double, 3> exit_weights() const {
         std::array<double, 3> weights{};
         weights[exit] = 1 - t;
-        weights[next(exit)] = t;
+        weights[Links::next(exit)] = t;
         return weights;
     }
 };
@@ -237,7 +233,7 @@ void Surface::compute_vertex_normals() {
         const auto face = static_cast<std::uint32_t>(f);
         for (std::uint32_t k = 0; k < 3; ++k) {
             const double angle =
-                std::atan2(2 * faces_[f].area, -dot(edge_vector(face, k), edge_vector(face, previous(k))));
+                std::atan2(2 * faces_[f].area, -dot(edge_vector(face, k), edge_vector(face, Links::previous(k))));
             Point3& normal = normals_[faces_[f].corners[k]];
             normal = normal + angle * faces_[f].normal;
         }
@@ -344,10 +340,10 @@ bool Surface::begin_walk(Walk& walk, Point3 direction) const {
     if (is_left(0) == is_left(1) && is_left(1) == is_left(2)) {
         walk.exit = static_cast<std::uint32_t>(std::max_element(ahead.begin(), ahead.end()) - ahead.begin());
     } else {
-        while (is_left(walk.exit) || !is_left(next(walk.exit))) walk.exit = next(walk.exit);
-        walk.t = aside[walk.exit] / (aside[walk.exit] - aside[next(walk.exit)]);
+        while (is_left(walk.exit) || !is_left(Links::next(walk.exit))) walk.exit = Links::next(walk.exit);
+        walk.t = aside[walk.exit] / (aside[walk.exit] - aside[Links::next(walk.exit)]);
     }
-    const std::uint32_t head = next(walk.exit);
+    const std::uint32_t head = Links::next(walk.exit);
     walk.distance = std::max(0.0, (1 - walk.t) * ahead[walk.exit] + walk.t * ahead[head]);
     walk.edge_x = x[walk.exit] - x[head];
     walk.edge_y = y[walk.exit] - y[head];
@@ -366,22 +362,22 @@ void Surface::cross_edge(Walk& walk) const {
     walk.y = y;
     walk.entry = {};
     walk.entry[side] = walk.t;
-    walk.entry[next(side)] = 1 - walk.t;
+    walk.entry[Links::next(side)] = 1 - walk.t;
 
     const double start = (1 - walk.t) * base;
     const Point3 axis = 1 / base * edge_vector(walk.face, side);
     const double rise = height(walk.face, base);
-    const double top = x * rise - y * (-dot(edge_vector(walk.face, previous(side)), axis) - start);
+    const double top = x * rise - y * (-dot(edge_vector(walk.face, Links::previous(side)), axis) - start);
     if (top > 0) {  // the third corner is on the left
         const double right = y * (base - start);
-        walk.exit = next(side);
+        walk.exit = Links::next(side);
         walk.t = right / (top + right);
         walk.edge_x = -dot(edge_vector(walk.face, walk.exit), axis);
         walk.edge_y = -rise;
         walk.distance = x * (base - start - walk.t * walk.edge_x) - y * walk.t * walk.edge_y;
     } else {
         const double left = y * start;
-        walk.exit = previous(side);
+        walk.exit = Links::previous(side);
         walk.t = left > top ? top / (top - left) : 0;
         walk.edge_x = -dot(edge_vector(walk.face, walk.exit), axis);
         walk.edge_y = rise;

@@ -24,6 +24,13 @@ struct SurfacePoint {
     std::uint32_t face = 0;
     /// Barycentric coordinates in the face: each >= 0, with sum 1 up to rounding.
     std::array<double, 3> weights{1, 0, 0};
+
+    /// Returns the position of a corner (0, 1 or 2) of a face.
+    static SurfacePoint corner(std::uint32_t face, std::size_t corner) {
+        SurfacePoint point{face, {0, 0, 0}};
+        point.weights[corner] = 1;
+        return point;
+    }
 };
 
 /// A surface made of triangles: every edge belongs to one or two triangles, and the triangles around each vertex form

@@ -188,25 +188,6 @@ double SurfaceDensity::largest(std::uint32_t face) const {
     return *std::max_element(&values_[first], &values_[first] + count);
 }
 
-SurfaceDensity SurfaceDensity::of_soup(const Surface& surface, const TriangleSoup& soup,
-                                       std::span<const double> values) {
-    const double largest =
-        std::max(*std::max_element(values.begin(), values.end()), std::numeric_limits<double>::min());
-    SurfaceDensity density;
-    density.values_.resize(3 * surface.face_count());
-    for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
-        const auto& corners = soup.triangles[surface.triangle_of(f)];
-        for (std::size_t k = 0; k < 3; ++k) {
-            SurfacePoint corner{f, {}};
-            corner.weights[k] = 1;
-            const auto weights = surface.original_weights(corner);
-            const auto original = std::find(weights.begin(), weights.end(), 1) - weights.begin();
-            density.values_[3 * std::size_t{f} + k] = values[corners[static_cast<std::size_t>(original)]] / largest;
-        }
-    }
-    return density;
-}
-
 Result<SurfaceDensity> SurfaceDensity::of_vertices(const Surface& surface, const TriangleSoup& soup,
                                                    std::span<const double> values) {
     if (values.size() != soup.vertices.size()) {
@@ -219,7 +200,15 @@ Result<SurfaceDensity> SurfaceDensity::of_vertices(const Surface& surface, const
         if (values[v] >= 0 && std::isfinite(values[v])) continue;
         return failure(ErrorCode::Malformed, "a density is negative or not finite", "density/" + std::to_string(v));
     }
-    return of_soup(surface, soup, values);
+    const double largest =
+        std::max(*std::max_element(values.begin(), values.end()), std::numeric_limits<double>::min());
+    SurfaceDensity density;
+    for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
+        auto corners = soup.triangles[surface.triangle_of(f)];
+        if (surface.is_turned(f)) std::swap(corners[1], corners[2]);
+        for (const std::uint32_t v : corners) density.values_.push_back(values[v] / largest);
+    }
+    return density;
 }
 
 Result<SurfaceDensity> SurfaceDensity::of_colours(const Surface& surface, const TriangleSoup& soup, double spacing,
@@ -246,11 +235,7 @@ Result<SurfaceDensity> SurfaceDensity::of_colours(const Surface& surface, const 
             for_face_pieces(sides[f] * samples, add, stop);
             for (std::size_t i = 0; i < count; ++i) values[i] /= weights[i];
         } else {
-            for (std::size_t k = 0; k < 3; ++k) {
-                SurfacePoint corner{f, {}};
-                corner.weights[k] = 1;
-                values[k] = darkness_at(surface, soup, corner);
-            }
+            for (std::size_t k = 0; k < 3; ++k) values[k] = darkness_at(surface, soup, SurfacePoint::corner(f, k));
         }
         double mean = 0;
         for_face_pieces(sides[f], [&](const std::array<double, 3>& at) {

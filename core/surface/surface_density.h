@@ -53,11 +53,7 @@ public:
     std::uint32_t side(std::uint32_t face) const { return grids_.empty() ? 1 : grids_[face].side; }
     double at(const SurfacePoint& point) const;
     /// Density at a corner (0, 1 or 2) of a face.
-    double at_corner(std::uint32_t face, std::uint32_t corner) const {
-        SurfacePoint point{face, {0, 0, 0}};
-        point.weights[corner] = 1;
-        return at(point);
-    }
+    double at_corner(std::uint32_t face, std::uint32_t corner) const { return at(SurfacePoint::corner(face, corner)); }
     /// Largest value in a face.
     double largest(std::uint32_t face) const;
     /// Integral over a face.
@@ -69,8 +65,6 @@ public:
     }
 
 private:
-    static SurfaceDensity of_soup(const Surface& surface, const TriangleSoup& soup, std::span<const double> values);
-
     /// Values at the corners of the pieces of a face. The first ones are on the side from the first to the second
     /// corner of the face.
     struct Grid {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/geometry/morton.h"
+#include "core/mesh/triangle_links.h"
 
 namespace ccdt {
 
@@ -16,16 +17,10 @@ namespace {
 
 using Face = ConnectedTriangles::Face;
 using Corners = std::array<std::uint32_t, 3>;
+using Links = TriangleLinks;
 
 constexpr std::uint32_t kNone = ConnectedTriangles::kNone;
 constexpr std::size_t kStopStride = std::size_t{1} << 16;
-
-constexpr std::uint32_t next(std::uint32_t side) {
-    return side == 2 ? 0 : side + 1;
-}
-constexpr std::uint32_t previous(std::uint32_t side) {
-    return side == 0 ? 2 : side - 1;
-}
 
 /// Counts the occurrences of one repair.
 struct Count {
@@ -45,7 +40,7 @@ std::array<Point3, 2> shorter_sides(const std::array<Point3, 3>& triangle) {
     const auto longest = static_cast<std::uint32_t>(
         std::max_element(sides.begin(), sides.end(), [](Point3 u, Point3 v) { return dot(u, u) < dot(v, v); }) -
         sides.begin());
-    return {sides[next(longest)], sides[previous(longest)]};
+    return {sides[Links::next(longest)], sides[Links::previous(longest)]};
 }
 
 class Connector {
@@ -189,8 +184,8 @@ void Connector::pair_edges() {
         for (std::size_t f = 0; f < result_.faces.size(); ++f) {
             const Corners& corners = result_.faces[f].corners;
             for (std::uint32_t k = 0; k < 3; ++k) {
-                const auto [low, high] = std::minmax(corners[k], corners[next(k)]);
-                function(low, Side{high, corners[previous(k)], static_cast<std::uint32_t>(4 * f + k)});
+                const auto [low, high] = std::minmax(corners[k], corners[Links::next(k)]);
+                function(low, Side{high, corners[Links::previous(k)], static_cast<std::uint32_t>(4 * f + k)});
             }
         }
     };
@@ -262,7 +257,9 @@ void Connector::pair(std::uint32_t low, std::span<const Side> sides) {
 /// faces contradict each other.
 bool Connector::pair_by_angle(std::uint32_t low, std::uint32_t high) {
     const Point3 axis = positions_[high] - positions_[low];
-    const auto opposite = [this](std::uint32_t edge) { return positions_[face_of(edge).corners[previous(edge % 4)]]; };
+    const auto opposite = [this](std::uint32_t edge) {
+        return positions_[face_of(edge).corners[Links::previous(edge % 4)]];
+    };
     const Point3 across = cross(axis, opposite(group_.front().edge) - positions_[low]);
     const Point3 outwards = cross(across, 1 / length(axis) * axis);
     for (Angle& side : group_) {
@@ -321,7 +318,7 @@ void Connector::collect_component(std::uint32_t first) {
                 neighbour.turned = turned;
                 component_.push_back(other / 4);
             } else if (neighbour.turned != turned) {
-                on_cut_[tail(edge)] = on_cut_[result_.faces[f].corners[next(k)]] = 1;
+                on_cut_[tail(edge)] = on_cut_[result_.faces[f].corners[Links::next(k)]] = 1;
                 cut(edge, one_sided_edges_);
             }
         }
@@ -387,7 +384,7 @@ std::uint32_t Connector::longest_side(const Face& face) const {
     std::uint32_t longest = 0;
     double most = 0;
     for (std::uint32_t k = 0; k < 3; ++k) {
-        const double side = length(positions_[face.corners[next(k)]] - positions_[face.corners[k]]);
+        const double side = length(positions_[face.corners[Links::next(k)]] - positions_[face.corners[k]]);
         if (side > most) longest = k;
         most = std::max(most, side);
     }
@@ -451,12 +448,12 @@ void Connector::number_fan(std::uint32_t face, std::uint32_t corner, std::uint32
     std::uint32_t at = start;
     do {
         numbers[at / 4][at % 4] = number;
-        at = result_.faces[at / 4].twins[previous(at % 4)];
+        at = result_.faces[at / 4].twins[Links::previous(at % 4)];
     } while (at != kNone && at != start);
     if (at == start) return;
     at = result_.faces[face].twins[corner];
     while (at != kNone) {
-        const std::uint32_t side = next(at % 4);
+        const std::uint32_t side = Links::next(at % 4);
         numbers[at / 4][side] = number;
         at = result_.faces[at / 4].twins[side];
     }

@@ -165,9 +165,7 @@ void SurfaceTriangulation::copy_faces() {
             const std::uint32_t h = Links::edge(f, i);
             links_.join(h, surface.twin(h));
             links_.set_constrained(h, surface.is_crease(h));
-            SurfacePoint& point = points_[links_.origin(h)];
-            point = {f, {0, 0, 0}};
-            point.weights[i] = 1;
+            points_[links_.origin(h)] = SurfacePoint::corner(f, i);
         }
     }
     for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
