@@ -70,13 +70,6 @@ void drop_invalid(TriangleSoup& soup, std::vector<SurfaceNote>& warnings) {
     }
 }
 
-bool has_border(const Surface& surface) {
-    for (std::uint32_t edge = 0; edge < 4 * surface.face_count(); ++edge) {
-        if (edge % 4 < 3 && surface.twin(edge) == Surface::kNone) return true;
-    }
-    return false;
-}
-
 /// Puts points into the requested order. After a stop, the order is arbitrary.
 void order_points(const SurfaceRequest& request, const Surface& surface, const SurfaceDensity& density,
                   const Control& control, SurfaceDistribution& dots) {
@@ -88,7 +81,7 @@ void order_points(const SurfaceRequest& request, const Surface& surface, const S
     }
     const bool uniform = density.is_uniform() && request.run.fixed.empty();
     set_order(dots,
-              progressive_order_on_surface(places, normals, surface.total_area(), uniform, !has_border(surface),
+              progressive_order_on_surface(places, normals, surface.total_area(), uniform, surface.border_edges() == 0,
                                            control.stop, *control.executor),
               control.stop);
 }

@@ -202,7 +202,9 @@ void Surface::mark_creases(std::optional<double> crease) {
     const double least = crease ? std::cos(std::clamp(*crease, 0.0, std::numbers::pi)) - kMargin : -2;
     for (Face& face : faces_) {
         for (std::uint32_t k = 0; k < 3; ++k) {
-            const bool is_crease = face.twins[k] == kNone || dot(face.normal, faces_[face.twins[k] / 4].normal) < least;
+            const bool is_border = face.twins[k] == kNone;
+            const bool is_crease = is_border || dot(face.normal, faces_[face.twins[k] / 4].normal) < least;
+            border_edges_ += is_border ? 1 : 0;
             face.creases = static_cast<std::uint8_t>(face.creases | is_crease << k);
         }
     }

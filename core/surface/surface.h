@@ -84,6 +84,8 @@ public:
     /// Number of a face's component. Faces are connected by edges that are neither borders nor creases.
     std::uint32_t component(std::uint32_t face) const { return faces_[face].component; }
     std::size_t component_count() const { return components_; }
+    /// Number of edges on borders; 0 if the surface is closed.
+    std::size_t border_edges() const { return border_edges_; }
 
     /// Triangle of the soup from which a face was made.
     std::uint32_t triangle_of(std::uint32_t face) const { return faces_[face].triangle; }
@@ -154,6 +156,7 @@ private:
     std::vector<Point3> normals_;
     std::vector<Face> faces_;
     std::size_t components_ = 0;
+    std::size_t border_edges_ = 0;
     double total_area_ = 0;
     Point3 origin_;
     double scale_ = 1;

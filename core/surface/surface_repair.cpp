@@ -2,7 +2,6 @@
 #include "core/surface/surface_repair.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <string>
 #include <tuple>
@@ -126,36 +125,22 @@ void Connector::remove(std::uint32_t face, Count& count) {
     count.add(result_.faces[face].triangle);
 }
 
-/// Finds equal positions by sorting hashes; equal hashes are sorted by position, so that no input is slow.
+/// Finds equal positions by sorting them along the curve, and by their coordinates where it has the same value.
 void Connector::number_positions() {
-    struct Entry {
-        std::uint64_t hash;
-        std::uint32_t index;
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> order(positions_.size());
+    for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = {morton_position(positions_[i]), i};
+    const auto key = [this](const auto& entry) {
+        const Point3 p = positions_[entry.second];
+        return std::tuple(p.x, p.y, p.z);
     };
-    std::vector<Entry> entries(positions_.size());
-    const auto mix = [](std::uint64_t state, double value) {
-        // Adding zero makes -0 equal to 0.
-        state = (state ^ std::bit_cast<std::uint64_t>(value + 0.0)) * 0x9e3779b97f4a7c15;
-        return state ^ state >> 32;
-    };
-    for (std::size_t i = 0; i < entries.size(); ++i) {
-        const Point3& p = positions_[i];
-        entries[i] = {mix(mix(mix(0, p.x), p.y), p.z), static_cast<std::uint32_t>(i)};
-    }
-    const auto key = [this](const Entry& e) {
-        const Point3& p = positions_[e.index];
-        return std::tie(p.x, p.y, p.z);
-    };
-    std::sort(entries.begin(), entries.end(), [&key](const Entry& a, const Entry& b) {
-        if (a.hash != b.hash) return a.hash < b.hash;
-        const auto first = key(a);
-        const auto second = key(b);
-        return first != second ? first < second : a.index < b.index;
+    std::ranges::sort(order, [&key](const auto& a, const auto& b) {
+        if (a.first != b.first) return a.first < b.first;
+        return std::tuple(key(a), a.second) < std::tuple(key(b), b.second);
     });
-    vertex_of_.resize(entries.size());
-    for (std::size_t i = 0; i < entries.size(); ++i) {
-        const bool repeats = i > 0 && key(entries[i]) == key(entries[i - 1]);
-        vertex_of_[entries[i].index] = repeats ? vertex_of_[entries[i - 1].index] : entries[i].index;
+    vertex_of_.resize(order.size());
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        const bool repeats = i > 0 && key(order[i]) == key(order[i - 1]);
+        vertex_of_[order[i].second] = repeats ? vertex_of_[order[i - 1].second] : order[i].second;
     }
 }
 
