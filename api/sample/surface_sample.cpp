@@ -83,8 +83,8 @@ tl::unexpected<Error> no_colours(const SurfaceFile& file, std::string reason) {
 }
 
 /// @param read  contents of the file, with valid colours
-Result<SurfaceDensity> make_density(const SurfaceRequest& request, const Surface& surface,
-                                    const SurfaceContents& read) {
+Result<SurfaceDensity> make_density(const SurfaceRequest& request, const Surface& surface, const SurfaceContents& read,
+                                    const std::stop_token& stop) {
     const double spacing = std::sqrt(surface.total_area() / static_cast<double>(request.run.sites));
     if (const auto* values = std::get_if<std::vector<double>>(&request.density))
         return SurfaceDensity::of_vertices(surface, read.soup, *values);
@@ -94,9 +94,9 @@ Result<SurfaceDensity> make_density(const SurfaceRequest& request, const Surface
         case SurfaceDensityKind::Colour:
             if (read.soup.colours.empty() && (!read.picture_error.empty() || read.soup.materials.empty()))
                 return no_colours(request.file, read.picture_error);
-            return SurfaceDensity::of_colours(surface, read.soup, spacing);
+            return SurfaceDensity::of_colours(surface, read.soup, spacing, stop);
         case SurfaceDensityKind::Curvature:
-            return SurfaceDensity::of_curvature(surface, spacing);
+            return SurfaceDensity::of_curvature(surface, spacing, SurfaceDensity::kContrast, stop);
     }
     return SurfaceDensity::uniform();
 }
@@ -116,13 +116,6 @@ void drop_invalid(TriangleSoup& soup, std::vector<SurfaceNote>& warnings) {
     }
 }
 
-bool has_border(const Surface& surface) {
-    for (std::uint32_t edge = 0; edge < 4 * surface.face_count(); ++edge) {
-        if (edge % 4 < 3 && surface.twin(edge) == Surface::kNone) return true;
-    }
-    return false;
-}
-
 /// Puts points into the requested order. After a stop, the order is arbitrary.
 void order_points(const SurfaceRequest& request, const Surface& surface, const SurfaceDensity& density,
                   const Control& control, SurfaceDistribution& dots) {
@@ -134,7 +127,7 @@ void order_points(const SurfaceRequest& request, const Surface& surface, const S
     }
     const bool uniform = density.is_uniform() && request.run.fixed.empty();
     set_order(dots,
-              progressive_order_on_surface(places, normals, surface.total_area(), uniform, !has_border(surface),
+              progressive_order_on_surface(places, normals, surface.total_area(), uniform, surface.border_edges() == 0,
                                            control.stop, *control.executor),
               control.stop);
 }
@@ -166,7 +159,7 @@ Result<PlacedSurface> place_in_space(const SurfaceRequest& request, const Decode
     auto made = Surface::create(read->soup, request.crease, control.stop);
     if (!made) return tl::unexpected(std::move(made.error()));
     drop_invalid(read->soup, made->warnings);
-    const auto density = make_density(request, made->surface, *read);
+    const auto density = make_density(request, made->surface, *read, control.stop);
     if (!density) return tl::unexpected(density.error());
     if (!read->picture_error.empty()) made->warnings.push_back({read->picture_error});
     auto dots = distribute_on_surface(made->surface, *density, request.run, control);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/density/coverage.h"
+#include "core/geometry/morton.h"
 #include "core/random.h"
 
 namespace ccdt {
@@ -205,22 +206,10 @@ double StartSites::acceptance(double x, double y) const {
 
 /// Numbers independently drawn sites along Morton's curve.
 void StartSites::number_along_curve() {
-    const auto spread = [](double part) {
-        std::uint64_t bits = static_cast<std::uint32_t>(part * 0x1p31);
-        for (const auto& [shift, mask] : {std::pair{16, 0x0000ffff0000ffff},
-                                          {8, 0x00ff00ff00ff00ff},
-                                          {4, 0x0f0f0f0f0f0f0f0f},
-                                          {2, 0x3333333333333333},
-                                          {1, 0x5555555555555555}}) {
-            bits = (bits | bits << shift) & static_cast<std::uint64_t>(mask);
-        }
-        return bits;
-    };
     std::vector<std::pair<std::uint64_t, std::uint32_t>> places;
     places.reserve(cell_of_.size());
     for (std::uint32_t i = 0; i < cell_of_.size(); ++i) {
-        const Point p = draw_stream(i, 0, cells_[0]);
-        places.emplace_back(spread(p.x) | spread(p.y) << 1, i);
+        places.emplace_back(morton_position(draw_stream(i, 0, cells_[0])), i);
     }
     std::sort(places.begin(), places.end());
     for (const auto& [place, number] : places) stream_of_.push_back(number);

@@ -817,20 +817,24 @@ private:
 };
 
 /// Returns the spacing around each point.
-/// @param even   whether points have the same density everywhere
-/// @param least  lower limit on measured spacings, relative to the spacing at uniform density
+/// @param even     whether all spacings are equal
+/// @param uniform  whether only borders increase the spacings that are measured. Smaller differences are due to chance,
+///                 and would let points come too near to each other
 template <class P>
-std::vector<double> spacings_of(const Frame<P>& frame, const Points<P>& points, bool even, double least,
+std::vector<double> spacings_of(const Frame<P>& frame, const Points<P>& points, bool even, bool uniform,
                                 Executor& executor, const std::stop_token& stop) {
+    constexpr double kByChance = 1.1;
     const double usual = frame.side_of(frame.size / static_cast<double>(points.size()));
     std::vector<double> spacings(points.size(), usual);
     if (even) return spacings;
-    least *= usual;
     const BasicCellList<P> near = frame.cells(points.places);
     for_ranges(executor, points.size(), kStopStride, [&](std::size_t begin, std::size_t end) {
         if (stop.stop_requested()) return;
         SpacingMeter<P> meter(frame, points, near, usual);
-        for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) spacings[i] = std::max(least, meter(i));
+        for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
+            const double measured = meter(i);
+            if (!uniform || measured > kByChance * usual) spacings[i] = measured;
+        }
     });
     return spacings;
 }
@@ -849,7 +853,7 @@ constexpr double kMinSide = 1e-9;
 
 /// Orders points of a frame progressively.
 template <class P>
-std::vector<std::uint32_t> order_points(const Frame<P>& frame, const Points<P>& unsorted, bool even, double least,
+std::vector<std::uint32_t> order_points(const Frame<P>& frame, const Points<P>& unsorted, bool even, bool uniform,
                                         const std::stop_token& stop, Executor& executor) {
     std::vector<std::uint32_t> order;
     if (unsorted.size() == 0) return order;
@@ -857,7 +861,7 @@ std::vector<std::uint32_t> order_points(const Frame<P>& frame, const Points<P>& 
     std::iota(numbers.begin(), numbers.end(), 0U);
     Regions regions(std::span<const P>(unsorted.places), numbers);
     Points<P> points = unsorted.selected(numbers);
-    std::vector<double> spacings = spacings_of(frame, points, even, least, executor, stop);
+    std::vector<double> spacings = spacings_of(frame, points, even, uniform, executor, stop);
 
     Elimination<P> elimination(frame, std::move(points), std::move(spacings), even, std::move(regions), executor);
     while (elimination.left().size() > 1 && !stop.stop_requested()) {
@@ -873,7 +877,7 @@ std::vector<std::uint32_t> order_points(const Frame<P>& frame, const Points<P>& 
 std::vector<std::uint32_t> order_places(const Domain& domain, std::vector<Point> places, bool even,
                                         const std::stop_token& stop, Executor& executor) {
     const Frame<Point> frame{domain.unit_bounds().max, domain.unit_area(), domain.is_torus(), false, &domain};
-    return order_points<Point>(frame, {std::move(places), {}}, even, 0, stop, executor);
+    return order_points<Point>(frame, {std::move(places), {}}, even, even, stop, executor);
 }
 
 }  // namespace
@@ -923,8 +927,7 @@ std::vector<std::uint32_t> progressive_order_on_surface(std::span<const Point3> 
     Points<Point3> moved{{}, {normals.begin(), normals.end()}};
     moved.places.reserve(points.size());
     for (const Point3 p : points) moved.places.push_back(p - box.min);
-    // A measured spacing that is too small by chance would let points come too near to each other.
-    return order_points(frame, moved, uniform && closed, uniform ? 1 : 0, stop, executor);
+    return order_points(frame, moved, uniform && closed, uniform, stop, executor);
 }
 
 std::vector<std::uint32_t> progressive_order_in_space(const Box3& box, bool is_torus, std::span<const Point3> points,
@@ -939,7 +942,7 @@ std::vector<std::uint32_t> progressive_order_in_space(const Box3& box, bool is_t
         const Point3 q = p - box.min;
         moved.places.push_back({q.x / scale, q.y / scale, q.z / scale});
     }
-    return order_points(frame, moved, even, 0, stop, executor);
+    return order_points(frame, moved, even, even, stop, executor);
 }
 
 }  // namespace ccdt

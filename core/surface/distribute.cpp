@@ -100,10 +100,8 @@ private:
         std::vector<double> spacings(surface_.vertex_count(), 0);
         for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
             for (std::uint32_t i = 0; i < 3; ++i) {
-                SurfacePoint point{f, {0, 0, 0}};
-                point.weights[i] = 1;
                 double& least = spacings[surface_.corners(f)[i]];
-                const double here = spacing(point, capacity_);
+                const double here = spacing(SurfacePoint::corner(f, i), capacity_);
                 least = least > 0 ? std::min(least, here) : here;
             }
         }

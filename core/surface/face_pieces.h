@@ -3,14 +3,16 @@
 
 #include <array>
 #include <cstdint>
+#include <stop_token>
 
 namespace ccdt {
 
 /// Calls use(centre) for each of the side^2 congruent triangles into which a face can be divided, in rows.
 /// @tparam Use  function of the barycentric coordinates of the triangle's centre
+/// @param stop  polled once per row
 template <class Use>
-void for_face_pieces(std::uint32_t side, Use use) {
-    for (std::uint32_t row = 0; row < side; ++row) {
+void for_face_pieces(std::uint32_t side, Use use, const std::stop_token& stop = {}) {
+    for (std::uint32_t row = 0; row < side && !stop.stop_requested(); ++row) {
         // Every other triangle of a row is upside down.
         for (std::uint32_t k = 0; k < 2 * (side - row) - 1; ++k) {
             const double third = k % 2 == 0 ? 1.0 / 3 : 2.0 / 3;

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/geometry/morton.h"
 #include "core/random.h"
 #include "core/surface/face_pieces.h"
 
@@ -13,26 +14,11 @@ namespace ccdt {
 
 namespace {
 
-/// Spreads the lowest 21 bits of a number, with two zero bits between successive bits.
-std::uint64_t spread(std::uint64_t bits) {
-    bits &= 0x1fffff;
-    bits = (bits | bits << 32) & 0x1f00000000ffff;
-    bits = (bits | bits << 16) & 0x1f0000ff0000ff;
-    bits = (bits | bits << 8) & 0x100f00f00f00f00f;
-    bits = (bits | bits << 4) & 0x10c30c30c30c30c3;
-    return (bits | bits << 2) & 0x1249249249249249;
-}
-
 /// Returns the faces, sorted by component and, within each component, along the space-filling curve.
-std::vector<std::uint32_t> faces_along_curve(const Surface& surface) {
-    std::vector<std::uint64_t> keys(surface.face_count());
-    for (std::uint32_t f = 0; f < keys.size(); ++f) {
-        const auto [a, b, c] = surface.places(f);
-        keys[f] = curve_position(1.0 / 3 * (a + b + c));
-    }
-    std::vector<std::uint32_t> order(keys.size());
+std::vector<std::uint32_t> sorted_faces(const Surface& surface) {
+    std::vector<std::uint32_t> order(surface.face_count());
     std::iota(order.begin(), order.end(), 0U);
-    std::ranges::sort(order, {}, [&](std::uint32_t f) { return std::tuple(surface.component(f), keys[f], f); });
+    std::ranges::stable_sort(order, {}, [&](std::uint32_t f) { return surface.component(f); });
     return order;
 }
 
@@ -81,7 +67,7 @@ private:
         std::vector<Piece> pieces;
         double total = 0;
         for_face_pieces(side, [&](const std::array<double, 3>& centre) {
-            pieces.push_back({curve_position(surface_.place({face, centre})), centre});
+            pieces.push_back({morton_position(surface_.place({face, centre})), centre});
             total += density_.at({face, centre});
         });
         std::ranges::sort(pieces, {}, [](const Piece& piece) { return std::pair(piece.key, piece.centre); });
@@ -131,15 +117,9 @@ std::vector<std::size_t> shares(const Surface& surface, const SurfaceDensity& de
 
 }  // namespace
 
-std::uint64_t curve_position(Point3 p) {
-    constexpr double kCells = 0x1p21;
-    const auto cell = [](double v) { return static_cast<std::uint64_t>(std::clamp(v * kCells, 0.0, kCells - 1)); };
-    return spread(cell(p.x)) | spread(cell(p.y)) << 1 | spread(cell(p.z)) << 2;
-}
-
 std::vector<SurfacePoint> initial_sites(const Surface& surface, const SurfaceDensity& density, std::size_t sites,
                                         std::uint64_t seed) {
-    const auto faces = faces_along_curve(surface);
+    const auto faces = sorted_faces(surface);
     const auto counts = shares(surface, density, sites);
     const FaceSampler sampler(surface, density, seed);
     Random random(seed, 0);
@@ -167,7 +147,7 @@ std::vector<SurfacePoint> initial_sites(const Surface& surface, const SurfaceDen
         sampler.draw(heaviest, wanted - given, drawn);
     }
     std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(drawn.size());
-    for (std::uint32_t i = 0; i < drawn.size(); ++i) keys[i] = {curve_position(surface.place(drawn[i])), i};
+    for (std::uint32_t i = 0; i < drawn.size(); ++i) keys[i] = {morton_position(surface.place(drawn[i])), i};
     std::ranges::sort(keys);
     std::vector<SurfacePoint> sorted;
     sorted.reserve(drawn.size());

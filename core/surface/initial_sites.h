@@ -21,7 +21,4 @@ namespace ccdt {
 std::vector<SurfacePoint> initial_sites(const Surface& surface, const SurfaceDensity& density, std::size_t sites,
                                         std::uint64_t seed);
 
-/// Returns the position of a point of the unit frame along a space-filling curve through space (Morton order).
-std::uint64_t curve_position(Point3 p);
-
 }  // namespace ccdt

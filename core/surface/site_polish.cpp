@@ -99,6 +99,7 @@ void SitePolish::even_out() {
         flow_.emplace(mesh_.site_count(), edges, mesh_.executor());
         owner_ = owners(mesh_);
     }
+    if (stop_.stop_requested()) return;
     const auto masses = masses_.measure(mesh_);
     const std::span<double> errors = flow_->errors();
     std::ranges::fill(errors, 1);
@@ -118,14 +119,14 @@ void SitePolish::apply() {
     row.find(mesh_);
     row.keep_off_vertices(mesh_, spacings_, kFirstRow, moves_);
     row.keep_off_edges(mesh_, spacings_, kFirstRow, moves_);
-    const SiteOrder order(mesh_);
-    if (stop_.stop_requested()) return;
-    order.for_sites([&](std::uint32_t site) { mesh_.move(site, moves_[site]); });
+    const SiteOrder order(mesh_, [&](std::uint32_t site) { return moves_[site] != Point3{}; });
+    order.for_sites(stop_, [&](std::uint32_t site) { mesh_.move(site, moves_[site]); });
 }
 
 bool SitePolish::is_any_nearer(double least) {
     constexpr std::size_t kMostPairs = 16;  // limit for each site, because stacked sheets could have any number
     constexpr int kMostFailures = 12;
+    constexpr double kRounding = 1e-12;
     measure_spacings();
     const double reach = least * hexagonal_spacing(1);
     const std::size_t sites = mesh_.site_count();
@@ -136,10 +137,13 @@ bool SitePolish::is_any_nearer(double least) {
     for_ranges(mesh_.executor(), sites, kSites, [&](std::size_t begin, std::size_t end) {
         for (auto v = static_cast<std::uint32_t>(begin); v < end && !stop_.stop_requested(); ++v) {
             const Point3 normal = normal_at(v);
+            const double longest = reach * spacings_[v], limit = (1 + kRounding) * longest * longest;
             std::size_t pairs = 0;
             cells_->for_near(places[v], reach * spacings_[v], [&](Point3, std::uint32_t other) {
-                const double distance = 2 * length(places[v] - places[other]) / (spacings_[v] + spacings_[other]);
-                if (other == v || distance >= reach) return true;
+                const Point3 apart = places[v] - places[other];
+                if (other == v || dot(apart, apart) > limit) return true;
+                const double distance = 2 * length(apart) / (spacings_[v] + spacings_[other]);
+                if (distance >= reach) return true;
                 // The site with the larger spacing, and so with the longer reach, lists the pair.
                 const bool lists = std::pair(spacings_[v], v) > std::pair(spacings_[other], other);
                 const auto [a, b] = std::minmax(v, other);

@@ -24,38 +24,54 @@ constexpr double kSpring = 0.01, kRelaxation = 1.2;
 
 /// The neighbours of a site, rotated into the tangent plane of the site.
 struct SiteRelaxation::Ring {
+    /// Coordinates of the neighbours, relative to the site. The first neighbour is repeated at the end.
+    template <std::size_t kAxes>
+    using Coordinates = std::array<std::array<double, kMostNeighbours + 1>, kAxes>;
+
     std::size_t count = 0;
-    std::array<Point3, kMostNeighbours + 1> places;  ///< relative to the site; the first one is repeated at the end
-    std::array<Point, kMostNeighbours + 1> flat;     ///< the same in the tangent plane
+    Coordinates<3> places;
+    Coordinates<2> flat;                                   ///< in the tangent plane
     std::array<std::uint32_t, kMostNeighbours> triangles;  ///< triangle between each neighbour and the next one
+    std::array<double, kMostNeighbours> areas;             ///< doubled areas of these triangles
     Point3 x, y;                                           ///< axes of the plane
+
+    Point3 place(std::size_t i) const { return {places[0][i], places[1][i], places[2][i]}; }
+    Point in_plane(std::size_t i) const { return {flat[0][i], flat[1][i]}; }
 
     /// @returns  false if the neighbours do not determine a plane, or are too many
     bool gather(const SurfaceTriangulation& mesh, std::uint32_t site) {
-        const Point3 place = mesh.point(site);
-        Point3 normal;
+        const Point3 centre = mesh.point(site);
         mesh.for_edges(site, [&](std::uint32_t h) {
             if (count < kMostNeighbours) {
-                places[count] = mesh.point(mesh.target(h)) - place;
+                const Point3 p = mesh.point(mesh.target(h)) - centre;
+                places[0][count] = p.x, places[1][count] = p.y, places[2][count] = p.z;
                 triangles[count] = SurfaceTriangulation::triangle_of(h);
-                normal = normal + mesh.doubled_normal(triangles[count]);
             }
             ++count;
         });
+        if (count < 3 || count > kMostNeighbours) return false;
+        for (auto& axis : places) axis[count] = axis[0];
+        Point3 normal;
+        for (std::size_t i = 0; i < count; ++i) {
+            const Point3 doubled = cross(place(i), place(i + 1));
+            areas[i] = length(doubled);
+            normal = normal + doubled;
+        }
         const double doubled = length(normal);
-        if (count < 3 || count > kMostNeighbours || !(doubled > 0)) return false;
+        if (!(doubled > 0)) return false;
         normal = 1 / doubled * normal;
-        x = places[0] - dot(places[0], normal) * normal;
+        x = place(0) - dot(place(0), normal) * normal;
         if (!(length(x) > 0)) return false;
         x = 1 / length(x) * x;
         y = cross(normal, x);
         for (std::size_t i = 0; i < count; ++i) {
-            const Point p{dot(places[i], x), dot(places[i], y)};
-            const double projected = std::sqrt(dot(p, p));
-            flat[i] = projected > 0 ? length(places[i]) / projected * p : p;
+            const Point3 p = place(i);
+            const double u = dot(p, x), v = dot(p, y), projected = u * u + v * v;
+            const double scale = projected > 0 ? std::sqrt(dot(p, p) / projected) : 1;
+            flat[0][i] = scale * u;
+            flat[1][i] = scale * v;
         }
-        places[count] = places[0];
-        flat[count] = flat[0];
+        for (auto& axis : flat) axis[count] = axis[0];
         return true;
     }
 };
@@ -63,8 +79,7 @@ struct SiteRelaxation::Ring {
 SiteRelaxation::SiteRelaxation(SurfaceTriangulation& mesh, const SurfaceDensity& density, double capacity)
     : mesh_(mesh), density_(density), capacity_(capacity) {}
 
-/// Sets the goals of all triangles and returns the capacity variation.
-double SiteRelaxation::set_goals() {
+double SiteRelaxation::variation() {
     goals_.assign(mesh_.triangle_count(), {});
     for_ranges(mesh_.executor(), goals_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
         for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
@@ -80,16 +95,12 @@ double SiteRelaxation::set_goals() {
     return aims.reached.variation();
 }
 
-double SiteRelaxation::variation() {
-    return set_goals();
-}
-
 void SiteRelaxation::iterate(int passes, const std::stop_token& stop) {
     mesh_.restore_delaunay(stop);
-    set_goals();
-    const SiteOrder order(mesh_);
+    variation();  // sets the goals
+    const SiteOrder order(mesh_, [](std::uint32_t) { return true; });
     for (int pass = 0; pass < passes && !stop.stop_requested(); ++pass)
-        order.for_sites([&](std::uint32_t site) { move(site); });
+        order.for_sites(stop, [&](std::uint32_t site) { move(site); });
 }
 
 void SiteRelaxation::move(std::uint32_t site) {
@@ -102,15 +113,13 @@ void SiteRelaxation::move(std::uint32_t site) {
     Point right;
     for (std::size_t i = 0; i < ring.count; ++i) {
         const TriangleGoal& goal = goals_[ring.triangles[i]];
-        const Point edge = ring.flat[i + 1] - ring.flat[i];
-        const Point slope{-goal.weight * edge.y, goal.weight * edge.x};
-        const double area = length(cross(ring.places[i], ring.places[i + 1]));
-        const double rest = (goal.target - goal.weight * area) / goal.share;
-        const double spring = kSpring * goal.weight * goal.share;
-        xx += slope.x * slope.x / goal.share + spring;
-        xy += slope.x * slope.y / goal.share;
-        yy += slope.y * slope.y / goal.share + spring;
-        right = right + rest * slope + spring * ring.flat[i];
+        const Point edge = ring.in_plane(i + 1) - ring.in_plane(i);
+        const double weight = goal.weight / goal.share, spring = kSpring * goal.weight * goal.share;
+        const Point slope{-goal.weight * edge.y, goal.weight * edge.x}, weighted{-weight * edge.y, weight * edge.x};
+        xx += slope.x * weighted.x + spring;
+        xy += slope.x * weighted.y;
+        yy += slope.y * weighted.y + spring;
+        right = right + (goal.target - goal.weight * ring.areas[i]) * weighted + spring * ring.in_plane(i);
     }
     const double determinant = xx * yy - xy * xy;
     if (!(determinant > 0)) return;
@@ -118,8 +127,8 @@ void SiteRelaxation::move(std::uint32_t site) {
     move = kRelaxation * move;
     double share = 1;
     for (std::size_t i = 0; i < ring.count; ++i) {
-        const double area = cross(ring.flat[i], ring.flat[i + 1]);
-        const double lost = cross(move, ring.flat[i + 1] - ring.flat[i]), most = (1 - kLeastArea) * area;
+        const Point a = ring.in_plane(i), b = ring.in_plane(i + 1);
+        const double lost = cross(move, b - a), most = (1 - kLeastArea) * cross(a, b);
         if (lost > most) share = std::min(share, std::max(0.0, most / lost));
     }
     move = share * move;

@@ -28,13 +28,12 @@ public:
     /// @param stop  polled in each pass
     void iterate(int passes, const std::stop_token& stop);
 
-    /// Returns the capacity variation of the current mesh. O(triangles).
+    /// Sets the goals of all triangles. Returns the capacity variation of the current mesh. O(triangles).
     double variation();
 
 private:
     struct Ring;
 
-    double set_goals();
     void move(std::uint32_t site);
 
     SurfaceTriangulation& mesh_;

@@ -9,12 +9,14 @@
 #include <string>
 #include <utility>
 
+#include "core/mesh/triangle_links.h"
 #include "core/surface/face_tree.h"
-#include "core/surface/surface_repair.h"
 
 namespace ccdt {
 
 namespace {
+
+using Links = TriangleLinks;
 
 // Squares and products of lengths, and their sums, must be finite and keep full precision.
 constexpr double kMinExtent = 1e-140, kMaxExtent = 1e140;
@@ -24,13 +26,6 @@ constexpr double kMinSize = 1e-9;
 constexpr double kRounder = 0x1p16;
 // Share of the way to the centroid by which points on an edge are moved into their face.
 constexpr double kInset = 1e-9;
-
-constexpr std::uint32_t next(std::uint32_t side) {
-    return side == 2 ? 0 : side + 1;
-}
-constexpr std::uint32_t previous(std::uint32_t side) {
-    return side == 0 ? 2 : side - 1;
-}
 
 double largest(Point3 p) {
     return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
@@ -118,7 +113,7 @@ struct Surface::Walk {
     std::array<double, 3> exit_weights() const {
         std::array<double, 3> weights{};
         weights[exit] = 1 - t;
-        weights[next(exit)] = t;
+        weights[Links::next(exit)] = t;
         return weights;
     }
 };
@@ -156,21 +151,12 @@ Result<Surface::Made> Surface::create(const TriangleSoup& soup, std::optional<do
     if (connected->faces.empty()) return failure(ErrorCode::Unusable, "no triangle has an area");
 
     surface.vertices_ = std::move(connected->vertices);
-    surface.faces_.resize(connected->faces.size());
-    for (std::size_t f = 0; f < surface.faces_.size(); ++f) {
-        const ConnectedTriangles::Face& from = connected->faces[f];
-        Face& face = surface.faces_[f];
-        face.corners = from.corners;
-        face.twins = from.twins;
-        face.triangle = from.triangle;
-        face.turned = from.turned;
-        face.flat = from.flat;
-    }
+    for (const ConnectedTriangles::Face& face : connected->faces) surface.faces_.push_back({face});
     connected->faces = {};
     surface.measure_faces();
     surface.mark_creases(crease);
     surface.number_components();
-    surface.compute_vertex_normals();
+    if (!stop.stop_requested()) surface.compute_vertex_normals();
     if (stop.stop_requested()) return failure(ErrorCode::Stopped, "stopped before there was a result");
     surface.tree_ = std::make_unique<Tree>();
     return Made{std::move(surface), std::move(connected->repairs), {}};
@@ -216,7 +202,9 @@ void Surface::mark_creases(std::optional<double> crease) {
     const double least = crease ? std::cos(std::clamp(*crease, 0.0, std::numbers::pi)) - kMargin : -2;
     for (Face& face : faces_) {
         for (std::uint32_t k = 0; k < 3; ++k) {
-            const bool is_crease = face.twins[k] == kNone || dot(face.normal, faces_[face.twins[k] / 4].normal) < least;
+            const bool is_border = face.twins[k] == kNone;
+            const bool is_crease = is_border || dot(face.normal, faces_[face.twins[k] / 4].normal) < least;
+            border_edges_ += is_border ? 1 : 0;
             face.creases = static_cast<std::uint8_t>(face.creases | is_crease << k);
         }
     }
@@ -247,7 +235,7 @@ void Surface::compute_vertex_normals() {
         const auto face = static_cast<std::uint32_t>(f);
         for (std::uint32_t k = 0; k < 3; ++k) {
             const double angle =
-                std::atan2(2 * faces_[f].area, -dot(edge_vector(face, k), edge_vector(face, previous(k))));
+                std::atan2(2 * faces_[f].area, -dot(edge_vector(face, k), edge_vector(face, Links::previous(k))));
             Point3& normal = normals_[faces_[f].corners[k]];
             normal = normal + angle * faces_[f].normal;
         }
@@ -275,7 +263,7 @@ Point3 Surface::place(const SurfacePoint& point) const {
 Point3 Surface::smooth_normal(const SurfacePoint& point) const {
     const auto& [a, b, c] = faces_[point.face].corners;
     const Point3 sum = point.weights[0] * normals_[a] + point.weights[1] * normals_[b] + point.weights[2] * normals_[c];
-    return squared(sum) < 1e-24 ? faces_[point.face].normal : unit(sum);
+    return squared(sum) < 1e-24 ? faces_[point.face].normal : 1 / length(sum) * sum;
 }
 
 Point3 Surface::to_input(Point3 p) const {
@@ -288,6 +276,7 @@ Point3 Surface::from_input(Point3 p) const {
 }
 
 SurfacePoint Surface::trace(const SurfacePoint& from, Point3 move) const {
+    if (const auto to = moved_in_face(from, move)) return *to;
     const double size = largest(move);
     if (!(size > 0) || !is_finite(move)) return from;
     const Point3 direction = 1 / size * move;
@@ -301,6 +290,26 @@ SurfacePoint Surface::trace(const SurfacePoint& from, Point3 move) const {
         cross_edge(walk);
     }
     return {walk.face, mixed(walk.entry, walk.exit_weights(), walk.left / walk.distance)};
+}
+
+/// Follows a line that ends in its first face, as most short ones do. Returns none if the line leaves the face, or if
+/// rounding errors could be large.
+std::optional<SurfacePoint> Surface::moved_in_face(const SurfacePoint& from, Point3 move) const {
+    constexpr double kLeastShare = 1e-6;  // of the squared move that is in the plane of the face
+    const Face& face = faces_[from.face];
+    if (face.flat) return std::nullopt;
+    const double all = dot(move, move);
+    const Point3 inside = move - dot(move, face.normal) * face.normal;
+    const double share = dot(inside, inside) / all;
+    if (!(share > kLeastShare)) return std::nullopt;
+    const Point3 turned = 1 / (2 * face.area * std::sqrt(share)) * cross(inside, face.normal);
+    SurfacePoint to = from;
+    const auto [a, b, c] = places(from.face);
+    to.weights[0] += dot(turned, c - b);
+    to.weights[1] += dot(turned, a - c);
+    to.weights[2] += dot(turned, b - a);
+    if (!(std::ranges::min(to.weights) >= 0)) return std::nullopt;
+    return to;
 }
 
 /// Finds where a line leaves its first face. Returns false if the direction is perpendicular to the face.
@@ -333,10 +342,10 @@ bool Surface::begin_walk(Walk& walk, Point3 direction) const {
     if (is_left(0) == is_left(1) && is_left(1) == is_left(2)) {
         walk.exit = static_cast<std::uint32_t>(std::max_element(ahead.begin(), ahead.end()) - ahead.begin());
     } else {
-        while (is_left(walk.exit) || !is_left(next(walk.exit))) walk.exit = next(walk.exit);
-        walk.t = aside[walk.exit] / (aside[walk.exit] - aside[next(walk.exit)]);
+        while (is_left(walk.exit) || !is_left(Links::next(walk.exit))) walk.exit = Links::next(walk.exit);
+        walk.t = aside[walk.exit] / (aside[walk.exit] - aside[Links::next(walk.exit)]);
     }
-    const std::uint32_t head = next(walk.exit);
+    const std::uint32_t head = Links::next(walk.exit);
     walk.distance = std::max(0.0, (1 - walk.t) * ahead[walk.exit] + walk.t * ahead[head]);
     walk.edge_x = x[walk.exit] - x[head];
     walk.edge_y = y[walk.exit] - y[head];
@@ -355,22 +364,22 @@ void Surface::cross_edge(Walk& walk) const {
     walk.y = y;
     walk.entry = {};
     walk.entry[side] = walk.t;
-    walk.entry[next(side)] = 1 - walk.t;
+    walk.entry[Links::next(side)] = 1 - walk.t;
 
     const double start = (1 - walk.t) * base;
     const Point3 axis = 1 / base * edge_vector(walk.face, side);
     const double rise = height(walk.face, base);
-    const double top = x * rise - y * (-dot(edge_vector(walk.face, previous(side)), axis) - start);
+    const double top = x * rise - y * (-dot(edge_vector(walk.face, Links::previous(side)), axis) - start);
     if (top > 0) {  // the third corner is on the left
         const double right = y * (base - start);
-        walk.exit = next(side);
+        walk.exit = Links::next(side);
         walk.t = right / (top + right);
         walk.edge_x = -dot(edge_vector(walk.face, walk.exit), axis);
         walk.edge_y = -rise;
         walk.distance = x * (base - start - walk.t * walk.edge_x) - y * walk.t * walk.edge_y;
     } else {
         const double left = y * start;
-        walk.exit = previous(side);
+        walk.exit = Links::previous(side);
         walk.t = left > top ? top / (top - left) : 0;
         walk.edge_x = -dot(edge_vector(walk.face, walk.exit), axis);
         walk.edge_y = rise;

@@ -14,6 +14,7 @@
 #include "core/geometry/point3.h"
 #include "core/result.h"
 #include "core/surface/surface_note.h"
+#include "core/surface/surface_repair.h"
 #include "core/surface/triangle_soup.h"
 
 namespace ccdt {
@@ -23,6 +24,13 @@ struct SurfacePoint {
     std::uint32_t face = 0;
     /// Barycentric coordinates in the face: each >= 0, with sum 1 up to rounding.
     std::array<double, 3> weights{1, 0, 0};
+
+    /// Returns the position of a corner (0, 1 or 2) of a face.
+    static SurfacePoint corner(std::uint32_t face, std::size_t corner) {
+        SurfacePoint point{face, {0, 0, 0}};
+        point.weights[corner] = 1;
+        return point;
+    }
 };
 
 /// A surface made of triangles: every edge belongs to one or two triangles, and the triangles around each vertex form
@@ -76,6 +84,8 @@ public:
     /// Number of a face's component. Faces are connected by edges that are neither borders nor creases.
     std::uint32_t component(std::uint32_t face) const { return faces_[face].component; }
     std::size_t component_count() const { return components_; }
+    /// Number of edges on borders; 0 if the surface is closed.
+    std::size_t border_edges() const { return border_edges_; }
 
     /// Triangle of the soup from which a face was made.
     std::uint32_t triangle_of(std::uint32_t face) const { return faces_[face].triangle; }
@@ -115,16 +125,11 @@ public:
 private:
     struct Tree;
     struct Walk;
-    struct Face {
-        std::array<std::uint32_t, 3> corners{};
-        std::array<std::uint32_t, 3> twins{kNone, kNone, kNone};
-        std::uint32_t triangle = 0;
-        std::uint32_t component = 0;
+    struct Face : ConnectedTriangles::Face {
         std::uint8_t creases = 0;  ///< bit i is set if edge i is a crease
-        bool turned = false;       ///< whether the last two corners of the triangle were swapped
-        bool flat = false;         ///< whether the corners are on one line, up to rounding
+        std::uint32_t component = 0;
         double area = 0;
-        Point3 normal;
+        Point3 normal{};
     };
 
     Surface();
@@ -138,6 +143,7 @@ private:
     double height(std::uint32_t face, double base) const {
         return faces_[face].flat ? 0 : 2 * faces_[face].area / base;
     }
+    std::optional<SurfacePoint> moved_in_face(const SurfacePoint& from, Point3 move) const;
     bool begin_walk(Walk& walk, Point3 direction) const;
     void cross_edge(Walk& walk) const;
     void measure_faces();
@@ -150,6 +156,7 @@ private:
     std::vector<Point3> normals_;
     std::vector<Face> faces_;
     std::size_t components_ = 0;
+    std::size_t border_edges_ = 0;
     double total_area_ = 0;
     Point3 origin_;
     double scale_ = 1;

@@ -30,10 +30,7 @@ struct Division {
 
 Division plan_division(const Surface& surface, std::size_t modes) {
     Division division{0, surface.vertex_count()};
-    std::size_t borders = 0;
-    for (std::uint32_t face = 0; face < surface.face_count(); ++face) {
-        for (std::uint32_t side = 0; side < 3; ++side) borders += surface.twin(4 * face + side) == Surface::kNone;
-    }
+    std::size_t borders = surface.border_edges();
     for (std::size_t faces = surface.face_count(); division.vertices < kVerticesPerMode * modes; faces *= 4) {
         division.vertices += (3 * faces + borders) / 2;
         borders *= 2;

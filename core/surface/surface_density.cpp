@@ -59,7 +59,7 @@ public:
 
     double area(std::uint32_t vertex) const { return areas_[vertex]; }
 
-    std::vector<Point3> apply(std::vector<Point3> x) const {
+    std::vector<Point3> apply(std::vector<Point3> x, const std::stop_token& stop) const {
         constexpr int kMaxSteps = 100;
         constexpr double kTolerance = 1e-8;  // of the squared residual
         std::vector<Point3> residual = image(x);
@@ -67,7 +67,7 @@ public:
         std::vector<Point3> scaled = preconditioned(residual), direction = scaled;
         double size = inner_product(residual, scaled);
         const double enough = kTolerance * size;
-        for (int step = 0; step < kMaxSteps && size > enough; ++step) {
+        for (int step = 0; step < kMaxSteps && size > enough && !stop.stop_requested(); ++step) {
             const std::vector<Point3> change = image(direction);
             const double length = size / inner_product(direction, change);
             for (std::size_t v = 0; v < x.size(); ++v) {
@@ -188,25 +188,6 @@ double SurfaceDensity::largest(std::uint32_t face) const {
     return *std::max_element(&values_[first], &values_[first] + count);
 }
 
-SurfaceDensity SurfaceDensity::of_soup(const Surface& surface, const TriangleSoup& soup,
-                                       std::span<const double> values) {
-    const double largest =
-        std::max(*std::max_element(values.begin(), values.end()), std::numeric_limits<double>::min());
-    SurfaceDensity density;
-    density.values_.resize(3 * surface.face_count());
-    for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
-        const auto& corners = soup.triangles[surface.triangle_of(f)];
-        for (std::size_t k = 0; k < 3; ++k) {
-            SurfacePoint corner{f, {}};
-            corner.weights[k] = 1;
-            const auto weights = surface.original_weights(corner);
-            const auto original = std::find(weights.begin(), weights.end(), 1) - weights.begin();
-            density.values_[3 * std::size_t{f} + k] = values[corners[static_cast<std::size_t>(original)]] / largest;
-        }
-    }
-    return density;
-}
-
 Result<SurfaceDensity> SurfaceDensity::of_vertices(const Surface& surface, const TriangleSoup& soup,
                                                    std::span<const double> values) {
     if (values.size() != soup.vertices.size()) {
@@ -219,10 +200,19 @@ Result<SurfaceDensity> SurfaceDensity::of_vertices(const Surface& surface, const
         if (values[v] >= 0 && std::isfinite(values[v])) continue;
         return failure(ErrorCode::Malformed, "a density is negative or not finite", "density/" + std::to_string(v));
     }
-    return of_soup(surface, soup, values);
+    const double largest =
+        std::max(*std::max_element(values.begin(), values.end()), std::numeric_limits<double>::min());
+    SurfaceDensity density;
+    for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
+        auto corners = soup.triangles[surface.triangle_of(f)];
+        if (surface.is_turned(f)) std::swap(corners[1], corners[2]);
+        for (const std::uint32_t v : corners) density.values_.push_back(values[v] / largest);
+    }
+    return density;
 }
 
-Result<SurfaceDensity> SurfaceDensity::of_colours(const Surface& surface, const TriangleSoup& soup, double spacing) {
+Result<SurfaceDensity> SurfaceDensity::of_colours(const Surface& surface, const TriangleSoup& soup, double spacing,
+                                                  const std::stop_token& stop) {
     if (!soup.has_colours()) return failure(ErrorCode::Unusable, "the mesh has no colours", "density");
     const auto sides = choose_sides(surface, soup, spacing);
     SurfaceDensity density;
@@ -234,21 +224,18 @@ Result<SurfaceDensity> SurfaceDensity::of_colours(const Surface& surface, const 
         if (soup.has_picture(surface.triangle_of(f))) {
             weights.assign(count, 0);
             const auto samples = samples_per_side(soup, surface.triangle_of(f), sides[f]);
-            for_face_pieces(sides[f] * samples, [&](const std::array<double, 3>& at) {
+            const auto add = [&](const std::array<double, 3>& at) {
                 const double darkness = darkness_at(surface, soup, {f, at});
                 const InPiece in(sides[f], at);
                 for (std::size_t k = 0; k < 3; ++k) {
                     values[in.corners[k]] += in.weights[k] * darkness;
                     weights[in.corners[k]] += in.weights[k];
                 }
-            });
+            };
+            for_face_pieces(sides[f] * samples, add, stop);
             for (std::size_t i = 0; i < count; ++i) values[i] /= weights[i];
         } else {
-            for (std::size_t k = 0; k < 3; ++k) {
-                SurfacePoint corner{f, {}};
-                corner.weights[k] = 1;
-                values[k] = darkness_at(surface, soup, corner);
-            }
+            for (std::size_t k = 0; k < 3; ++k) values[k] = darkness_at(surface, soup, SurfacePoint::corner(f, k));
         }
         double mean = 0;
         for_face_pieces(sides[f], [&](const std::array<double, 3>& at) {
@@ -256,15 +243,18 @@ Result<SurfaceDensity> SurfaceDensity::of_colours(const Surface& surface, const 
                 mean += values[corner] / static_cast<double>(3 * side * side);
         });
         density.grids_.push_back({first, sides[f], mean});
+        if (stop.stop_requested())
+            return failure(ErrorCode::Stopped, "stopped before the density was known", "density");
     }
     return density;
 }
 
-SurfaceDensity SurfaceDensity::of_curvature(const Surface& surface, double spacing, double contrast) {
+SurfaceDensity SurfaceDensity::of_curvature(const Surface& surface, double spacing, double contrast,
+                                            const std::stop_token& stop) {
     const Smoothing smoothing(surface, spacing);
     std::vector<Point3> normals(surface.vertex_count());
     for (std::uint32_t v = 0; v < normals.size(); ++v) normals[v] = surface.vertex_normal(v);
-    normals = smoothing.apply(std::move(normals));
+    normals = smoothing.apply(std::move(normals), stop);
     for (Point3& normal : normals) normal = 1 / std::max(length(normal), 1e-12) * normal;
 
     // Integrals of the squared curvatures over the faces around each vertex.

@@ -2,11 +2,13 @@
 #include "core/surface/surface_repair.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <string>
 #include <tuple>
 #include <utility>
+
+#include "core/geometry/morton.h"
+#include "core/mesh/triangle_links.h"
 
 namespace ccdt {
 
@@ -14,16 +16,10 @@ namespace {
 
 using Face = ConnectedTriangles::Face;
 using Corners = std::array<std::uint32_t, 3>;
+using Links = TriangleLinks;
 
 constexpr std::uint32_t kNone = ConnectedTriangles::kNone;
 constexpr std::size_t kStopStride = std::size_t{1} << 16;
-
-constexpr std::uint32_t next(std::uint32_t side) {
-    return side == 2 ? 0 : side + 1;
-}
-constexpr std::uint32_t previous(std::uint32_t side) {
-    return side == 0 ? 2 : side - 1;
-}
 
 /// Counts the occurrences of one repair.
 struct Count {
@@ -43,14 +39,15 @@ std::array<Point3, 2> shorter_sides(const std::array<Point3, 3>& triangle) {
     const auto longest = static_cast<std::uint32_t>(
         std::max_element(sides.begin(), sides.end(), [](Point3 u, Point3 v) { return dot(u, u) < dot(v, v); }) -
         sides.begin());
-    return {sides[next(longest)], sides[previous(longest)]};
+    return {sides[Links::next(longest)], sides[Links::previous(longest)]};
 }
 
 class Connector {
 public:
-    Connector(std::span<const Point3> positions, const std::stop_token& stop) : positions_(positions), stop_(stop) {}
+    Connector(std::span<const Point3> positions, std::span<const Corners> triangles, const std::stop_token& stop)
+        : positions_(positions), triangles_(triangles), stop_(stop) {}
 
-    Result<ConnectedTriangles> run(std::span<const Corners> triangles);
+    Result<ConnectedTriangles> run();
 
 private:
     /// A half-edge, listed at the end with the lower number.
@@ -82,7 +79,7 @@ private:
     void remove(std::uint32_t face, Count& count);
 
     void number_positions();
-    void take_triangles(std::span<const Corners> triangles);
+    void take_triangles();
     void pair_edges();
     template <class Function>
     void for_edges(std::uint32_t low, Function&& function);
@@ -100,13 +97,14 @@ private:
     void remove_flat_borders();
     std::uint32_t longest_side(const Face& face) const;
     void apply_turns();
-    void compact();
+    void sort_faces();
     void split_vertices();
     void number_fan(std::uint32_t face, std::uint32_t corner, std::uint32_t number,
                     std::vector<Corners>& numbers) const;
     void note();
 
     std::span<const Point3> positions_;
+    std::span<const Corners> triangles_;
     const std::stop_token& stop_;
     ConnectedTriangles result_;
 
@@ -127,44 +125,30 @@ void Connector::remove(std::uint32_t face, Count& count) {
     count.add(result_.faces[face].triangle);
 }
 
-/// Finds equal positions by sorting hashes; equal hashes are sorted by position, so that no input is slow.
+/// Finds equal positions by sorting them along the curve, and by their coordinates where it has the same value.
 void Connector::number_positions() {
-    struct Entry {
-        std::uint64_t hash;
-        std::uint32_t index;
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> order(positions_.size());
+    for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = {morton_position(positions_[i]), i};
+    const auto key = [this](const auto& entry) {
+        const Point3 p = positions_[entry.second];
+        return std::tuple(p.x, p.y, p.z);
     };
-    std::vector<Entry> entries(positions_.size());
-    const auto mix = [](std::uint64_t state, double value) {
-        // Adding zero makes -0 equal to 0.
-        state = (state ^ std::bit_cast<std::uint64_t>(value + 0.0)) * 0x9e3779b97f4a7c15;
-        return state ^ state >> 32;
-    };
-    for (std::size_t i = 0; i < entries.size(); ++i) {
-        const Point3& p = positions_[i];
-        entries[i] = {mix(mix(mix(0, p.x), p.y), p.z), static_cast<std::uint32_t>(i)};
-    }
-    const auto key = [this](const Entry& e) {
-        const Point3& p = positions_[e.index];
-        return std::tie(p.x, p.y, p.z);
-    };
-    std::sort(entries.begin(), entries.end(), [&key](const Entry& a, const Entry& b) {
-        if (a.hash != b.hash) return a.hash < b.hash;
-        const auto first = key(a);
-        const auto second = key(b);
-        return first != second ? first < second : a.index < b.index;
+    std::ranges::sort(order, [&key](const auto& a, const auto& b) {
+        if (a.first != b.first) return a.first < b.first;
+        return std::tuple(key(a), a.second) < std::tuple(key(b), b.second);
     });
-    vertex_of_.resize(entries.size());
-    for (std::size_t i = 0; i < entries.size(); ++i) {
-        const bool repeats = i > 0 && key(entries[i]) == key(entries[i - 1]);
-        vertex_of_[entries[i].index] = repeats ? vertex_of_[entries[i - 1].index] : entries[i].index;
+    vertex_of_.resize(order.size());
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        const bool repeats = i > 0 && key(order[i]) == key(order[i - 1]);
+        vertex_of_[order[i].second] = repeats ? vertex_of_[order[i - 1].second] : order[i].second;
     }
 }
 
-void Connector::take_triangles(std::span<const Corners> triangles) {
-    result_.faces.reserve(triangles.size());
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
+void Connector::take_triangles() {
+    result_.faces.reserve(triangles_.size());
+    for (std::size_t t = 0; t < triangles_.size(); ++t) {
         const auto triangle = static_cast<std::uint32_t>(t);
-        const auto [a, b, c] = triangles[t];
+        const auto [a, b, c] = triangles_[t];
         const Corners corners{vertex_of_[a], vertex_of_[b], vertex_of_[c]};
         if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) {
             without_area_.add(triangle);
@@ -175,6 +159,7 @@ void Connector::take_triangles(std::span<const Corners> triangles) {
                                  .flat = ConnectedTriangles::is_flat({positions_[a], positions_[b], positions_[c]})});
     }
     removed_.resize(result_.faces.size());
+    on_cut_.resize(positions_.size());
 }
 
 /// Lists the sides of all faces by their lower vertices, and pairs the sides of each edge.
@@ -184,8 +169,8 @@ void Connector::pair_edges() {
         for (std::size_t f = 0; f < result_.faces.size(); ++f) {
             const Corners& corners = result_.faces[f].corners;
             for (std::uint32_t k = 0; k < 3; ++k) {
-                const auto [low, high] = std::minmax(corners[k], corners[next(k)]);
-                function(low, Side{high, corners[previous(k)], static_cast<std::uint32_t>(4 * f + k)});
+                const auto [low, high] = std::minmax(corners[k], corners[Links::next(k)]);
+                function(low, Side{high, corners[Links::previous(k)], static_cast<std::uint32_t>(4 * f + k)});
             }
         }
     };
@@ -257,7 +242,9 @@ void Connector::pair(std::uint32_t low, std::span<const Side> sides) {
 /// faces contradict each other.
 bool Connector::pair_by_angle(std::uint32_t low, std::uint32_t high) {
     const Point3 axis = positions_[high] - positions_[low];
-    const auto opposite = [this](std::uint32_t edge) { return positions_[face_of(edge).corners[previous(edge % 4)]]; };
+    const auto opposite = [this](std::uint32_t edge) {
+        return positions_[face_of(edge).corners[Links::previous(edge % 4)]];
+    };
     const Point3 across = cross(axis, opposite(group_.front().edge) - positions_[low]);
     const Point3 outwards = cross(across, 1 / length(axis) * axis);
     for (Angle& side : group_) {
@@ -316,7 +303,7 @@ void Connector::collect_component(std::uint32_t first) {
                 neighbour.turned = turned;
                 component_.push_back(other / 4);
             } else if (neighbour.turned != turned) {
-                on_cut_[tail(edge)] = on_cut_[result_.faces[f].corners[next(k)]] = 1;
+                on_cut_[tail(edge)] = on_cut_[result_.faces[f].corners[Links::next(k)]] = 1;
                 cut(edge, one_sided_edges_);
             }
         }
@@ -382,7 +369,7 @@ std::uint32_t Connector::longest_side(const Face& face) const {
     std::uint32_t longest = 0;
     double most = 0;
     for (std::uint32_t k = 0; k < 3; ++k) {
-        const double side = length(positions_[face.corners[next(k)]] - positions_[face.corners[k]]);
+        const double side = length(positions_[face.corners[Links::next(k)]] - positions_[face.corners[k]]);
         if (side > most) longest = k;
         most = std::max(most, side);
     }
@@ -402,15 +389,21 @@ void Connector::apply_turns() {
     }
 }
 
-/// Drops removed faces.
-void Connector::compact() {
-    std::vector<std::uint32_t> numbers(result_.faces.size());
-    std::uint32_t number = 0;
-    for (std::size_t f = 0; f < numbers.size(); ++f) {
-        numbers[f] = number;
-        if (!removed_[f]) result_.faces[number++] = result_.faces[f];
+/// Drops removed faces, and sorts the others along the curve.
+void Connector::sort_faces() {
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
+    for (std::uint32_t f = 0; f < removed_.size(); ++f) {
+        const auto& [a, b, c] = result_.faces[f].corners;
+        if (!removed_[f])
+            order.emplace_back(morton_position(1.0 / 3 * (positions_[a] + positions_[b] + positions_[c])), f);
     }
-    result_.faces.resize(number);
+    std::ranges::sort(order);
+    std::vector<std::uint32_t> numbers(removed_.size());
+    const std::vector<Face> unsorted = std::exchange(result_.faces, {});
+    for (const auto& [position, f] : order) {
+        numbers[f] = static_cast<std::uint32_t>(result_.faces.size());
+        result_.faces.push_back(unsorted[f]);
+    }
     for (Face& face : result_.faces) {
         for (std::uint32_t& other : face.twins) {
             if (other != kNone) other = 4 * numbers[other / 4] + other % 4;
@@ -440,12 +433,12 @@ void Connector::number_fan(std::uint32_t face, std::uint32_t corner, std::uint32
     std::uint32_t at = start;
     do {
         numbers[at / 4][at % 4] = number;
-        at = result_.faces[at / 4].twins[previous(at % 4)];
+        at = result_.faces[at / 4].twins[Links::previous(at % 4)];
     } while (at != kNone && at != start);
     if (at == start) return;
     at = result_.faces[face].twins[corner];
     while (at != kNone) {
-        const std::uint32_t side = next(at % 4);
+        const std::uint32_t side = Links::next(at % 4);
         numbers[at / 4][side] = number;
         at = result_.faces[at / 4].twins[side];
     }
@@ -472,17 +465,14 @@ void Connector::note() {
         " vertices where the surface only touches itself were cut");
 }
 
-Result<ConnectedTriangles> Connector::run(std::span<const Corners> triangles) {
-    number_positions();
-    take_triangles(triangles);
-    on_cut_.resize(positions_.size());
-    pair_edges();
-    if (!stopping()) orient();
-    if (stopping()) return failure(ErrorCode::Stopped, "stopped before there was a result");
-    remove_flat_borders();
-    apply_turns();
-    compact();
-    split_vertices();
+Result<ConnectedTriangles> Connector::run() {
+    constexpr std::array kSteps{&Connector::number_positions, &Connector::take_triangles,      &Connector::pair_edges,
+                                &Connector::orient,           &Connector::remove_flat_borders, &Connector::apply_turns,
+                                &Connector::sort_faces,       &Connector::split_vertices};
+    for (const auto step : kSteps) {
+        (this->*step)();
+        if (stopping()) return failure(ErrorCode::Stopped, "stopped before there was a result");
+    }
     note();
     return std::move(result_);
 }
@@ -503,7 +493,7 @@ bool ConnectedTriangles::is_flat(const std::array<Point3, 3>& triangle) {
 Result<ConnectedTriangles> connect_triangles(std::span<const Point3> positions,
                                              std::span<const std::array<std::uint32_t, 3>> triangles,
                                              const std::stop_token& stop) {
-    return Connector(positions, stop).run(triangles);
+    return Connector(positions, triangles, stop).run();
 }
 
 }  // namespace ccdt

@@ -30,7 +30,7 @@ struct ConnectedTriangles {
     };
 
     std::vector<Point3> vertices;
-    std::vector<Face> faces;  ///< in the order of the triangles
+    std::vector<Face> faces;  ///< along Morton's curve, so that neighbours are close in memory
     std::vector<SurfaceNote> repairs;
 
     /// Returns the normal of a triangle, with twice the triangle's area as its length.

@@ -154,12 +154,8 @@ SurfaceTriangulation::SurfaceTriangulation(const Surface& surface, std::vector<S
 void SurfaceTriangulation::copy_faces() {
     const Surface& surface = *surface_;
     const auto first = static_cast<std::uint32_t>(sites_);
-    const std::size_t vertices = sites_ + surface.vertex_count();
-    points_.resize(vertices);
-    places_.resize(vertices);
-    links_.add_vertices(vertices);
-    for (std::uint32_t v = 0; v < sites_; ++v) places_[v] = surface.place(points_[v]);
-    for (std::uint32_t v = 0; v < surface.vertex_count(); ++v) places_[first + v] = surface.vertex(v);
+    points_.resize(sites_ + surface.vertex_count());
+    links_.add_vertices(points_.size());
     for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
         const auto [a, b, c] = surface.corners(f);
         links_.add({first + a, first + b, first + c});
@@ -169,14 +165,20 @@ void SurfaceTriangulation::copy_faces() {
             const std::uint32_t h = Links::edge(f, i);
             links_.join(h, surface.twin(h));
             links_.set_constrained(h, surface.is_crease(h));
-            SurfacePoint& point = points_[links_.origin(h)];
-            point = {f, {0, 0, 0}};
-            point.weights[i] = 1;
+            points_[links_.origin(h)] = SurfacePoint::corner(f, i);
         }
     }
     for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
         for (std::uint32_t i = 0; i < 3; ++i) links_.keep_edge(Links::edge(f, i));
     }
+    for (const SurfacePoint& point : points_) locate(point);
+}
+
+/// Appends the position of a point and the normal of the surface there.
+void SurfaceTriangulation::locate(const SurfacePoint& point) {
+    places_.push_back(surface_->place(point));
+    normals_.push_back(surface_->smooth_normal(point));
+    moved_.push_back(1);
 }
 
 /// Splits the edges of borders and creases at the added vertices.
@@ -192,7 +194,7 @@ std::vector<std::uint32_t> SurfaceTriangulation::split_creases(const CreaseVerti
         point.weights[each->edge % 4] = 1 - each->share;
         point.weights[(each->edge % 4 + 1) % 3] = each->share;
         points_.push_back(point);
-        places_.push_back(surface_->place(point));
+        locate(point);
         links_.add_vertices(1);
         links_.split(vertex, each->edge);
         face_of.push_back(face_of[each->edge / 4]);
@@ -223,32 +225,36 @@ void SurfaceTriangulation::insert_sites(std::vector<std::uint32_t> face_of, cons
 
 std::size_t SurfaceTriangulation::restore_delaunay(const std::stop_token& stop) {
     constexpr std::size_t kMostPerEdge = 10;
-    std::vector<std::uint32_t> stack;
-    for (std::uint32_t t = 0; t < links_.triangle_count(); ++t) {
+    std::vector<std::uint8_t> is_changed(links_.triangle_count(), 0);
+    const auto is_moved = [&](std::uint32_t v) { return moved_[v] != 0; };
+    for (std::uint32_t t = 0; t < is_changed.size(); ++t)
+        is_changed[t] = !links_.is_removed(t) && std::ranges::any_of(corners(t), is_moved) ? 1 : 0;
+    for (std::uint32_t t = 0; t < is_changed.size(); ++t) {
         for (std::uint32_t i = 0; i < 3 && !links_.is_removed(t); ++i) {
             const std::uint32_t h = Links::edge(t, i), twin = links_.twin(h);
-            if (twin != kNone && twin > h && wants_flip(h)) stack.push_back(h);
+            if (twin == kNone || twin < h || (is_changed[t] | is_changed[twin / 4]) == 0) continue;
+            if (wants_flip(h)) stack_.push_back(h);
         }
     }
-    if (stop.stop_requested()) return 0;
-    return legalise(stack, kMostPerEdge * links_.triangle_count(), stop);
+    const std::size_t most = kMostPerEdge * links_.triangle_count(), flips = legalise(most, stop);
+    if (flips < most && !stop.stop_requested()) std::ranges::fill(moved_, std::uint8_t{0});
+    return flips;
 }
 
 /// Flips the edges on the stack, and edges around them, until all are Delaunay or the limit on flips is reached.
-std::size_t SurfaceTriangulation::legalise(std::vector<std::uint32_t>& stack, std::size_t most,
-                                           const std::stop_token& stop) {
+std::size_t SurfaceTriangulation::legalise(std::size_t most, const std::stop_token& stop) {
     constexpr std::size_t kStopStride = 4096;  // flips between polls of the stop token
     std::size_t flips = 0;
-    while (!stack.empty() && flips < most && (flips % kStopStride != 0 || !stop.stop_requested())) {
-        const std::uint32_t h = stack.back(), twin = links_.twin(h);
-        stack.pop_back();
+    while (!stack_.empty() && flips < most && (flips % kStopStride != 0 || !stop.stop_requested())) {
+        const std::uint32_t h = stack_.back(), twin = links_.twin(h);
+        stack_.pop_back();
         if (links_.is_removed(h / 4) || twin == kNone || links_.is_constrained(h)) continue;
         if (!wants_flip(h) || !allows_flip(h)) continue;
         links_.flip(h);
         ++flips;
-        stack.insert(stack.end(), {h, Links::previous(h), twin, Links::previous(twin)});
+        stack_.insert(stack_.end(), {h, Links::previous(h), twin, Links::previous(twin)});
     }
-    stack.clear();
+    stack_.clear();
     return flips;
 }
 
@@ -280,19 +286,18 @@ bool SurfaceTriangulation::allows_flip(std::uint32_t edge) const {
 /// Removes the vertices of the surface by collapsing edges, with flips in between.
 void SurfaceTriangulation::remove_corners(const CreaseVertices& creases, const std::stop_token& stop) {
     constexpr int kRounds = 4;
-    std::vector<std::uint32_t> left, stack;
+    std::vector<std::uint32_t> left;
     for (std::uint32_t v = 0; v < surface_->vertex_count(); ++v) {
         if (creases.corner[v] == 0) left.push_back(static_cast<std::uint32_t>(sites_) + v);
     }
     for (int round = 0; round < kRounds && !left.empty(); ++round)
-        std::erase_if(left, [&](std::uint32_t v) { return stop.stop_requested() || remove(v, stack); });
+        std::erase_if(left, [&](std::uint32_t v) { return stop.stop_requested() || remove(v); });
 }
 
 /// Removes a vertex by collapsing one of its edges. A vertex on a border or crease is merged with an adjacent one along
 /// it.
-/// @param stack  memory for edges to be flipped
 /// @returns      false, without any change, if no edge can be collapsed
-bool SurfaceTriangulation::remove(std::uint32_t vertex, std::vector<std::uint32_t>& stack) {
+bool SurfaceTriangulation::remove(std::uint32_t vertex) {
     constexpr std::size_t kMaxCandidates = 32;  // a vertex may have very many neighbours
     if (links_.edge_of(vertex) == kNone) return true;
     std::vector<std::pair<double, std::uint32_t>> edges;
@@ -310,22 +315,18 @@ bool SurfaceTriangulation::remove(std::uint32_t vertex, std::vector<std::uint32_
     if (found == last) return false;
     links_.collapse(found->second);
     for (const std::uint32_t h : around) {
-        if (!links_.is_removed(h / 4)) stack.insert(stack.end(), {h, Links::next(h), Links::previous(h)});
+        if (links_.is_removed(h / 4)) continue;
+        stack_.insert(stack_.end(), {h, Links::next(h), Links::previous(h)});
+        for (const std::uint32_t corner : corners(h / 4)) moved_[corner] = 1;
     }
-    legalise(stack, kMostFlips);
+    legalise(kMostFlips);
     return true;
-}
-
-/// Returns the sum of the surface's normals at two vertices.
-Point3 SurfaceTriangulation::normals_at(std::uint32_t a, std::uint32_t b) const {
-    return surface_->smooth_normal(points_[a]) + surface_->smooth_normal(points_[b]);
 }
 
 /// Whether merging the origin of an edge with its target keeps the topology, and turns no triangle away from the sum of
 /// the surface's normals at its corners.
 bool SurfaceTriangulation::can_collapse(std::uint32_t edge) const {
     const std::uint32_t a = links_.origin(edge), b = links_.target(edge), twin = links_.twin(edge);
-    const Point3 up = surface_->smooth_normal(points_[b]);
     std::size_t common = 0;
     bool sound = true;
     links_.for_edges(a, [&](std::uint32_t h) {
@@ -334,7 +335,8 @@ bool SurfaceTriangulation::can_collapse(std::uint32_t edge) const {
         // On a border, the last neighbour has no half-edge from a.
         if (y != b && links_.twin(Links::previous(h)) == kNone && links_.are_joined(b, y)) ++common;
         if (x == b || y == b) return;
-        sound = sound && dot(cross(places_[x] - places_[b], places_[y] - places_[b]), up + normals_at(x, y)) > 0;
+        sound = sound && dot(cross(places_[x] - places_[b], places_[y] - places_[b]),
+                             normals_[b] + normals_[x] + normals_[y]) > 0;
     });
     if (!sound || common != (twin == kNone ? 1 : 2)) return false;
     const auto is_free = [&](std::uint32_t h) {
@@ -357,10 +359,13 @@ void SurfaceTriangulation::renumber() {
         if (!is_site(v) && links_.edge_of(v) == kNone) continue;
         points_[count] = points_[v];
         places_[count] = places_[v];
+        normals_[count] = normals_[v];
         number_of[v] = count++;
     }
     points_.resize(count);
     places_.resize(count);
+    normals_.resize(count);
+    moved_.assign(count, 1);
     links_.renumber(number_of, count);
 }
 
@@ -373,18 +378,23 @@ void SurfaceTriangulation::move(std::uint32_t vertex, Point3 by) {
         const SurfacePoint to = surface_->trace(points_[vertex], by);
         const Point3 place = surface_->place(to), up = surface_->smooth_normal(to);
         bool sound = true;
+        std::uint32_t a = links_.target(links_.edge_of(vertex));
+        Point3 old_side = places_[a] - before, new_side = places_[a] - place;
         links_.for_edges(vertex, [&](std::uint32_t h) {
-            const std::uint32_t a = links_.target(h), b = links_.apex(h);
-            const Point3 x = places_[a], y = places_[b];
-            const Point3 old = cross(x - before, y - before), now = cross(x - place, y - place);
+            const std::uint32_t first = std::exchange(a, links_.apex(h));
+            const Point3 x = std::exchange(old_side, places_[a] - before);
+            const Point3 u = std::exchange(new_side, places_[a] - place);
+            const Point3 old = cross(x, old_side), now = cross(u, new_side);
             sound = sound && dot(now, old) >= kLeastArea * dot(old, old);
             if (!sound || dot(now, up) > 0) return;
-            const Point3 others = normals_at(a, b);
-            sound = dot(now, up + others) >= std::min(0.0, dot(old, surface_->smooth_normal(points_[vertex]) + others));
+            const Point3 others = normals_[first] + normals_[a];
+            sound = dot(now, up + others) >= std::min(0.0, dot(old, normals_[vertex] + others));
         });
         if (!sound) continue;
         points_[vertex] = to;
         places_[vertex] = place;
+        normals_[vertex] = up;
+        moved_[vertex] = 1;
         return;
     }
 }
@@ -417,15 +427,16 @@ bool SurfaceTriangulation::relocate(std::uint32_t site, std::span<const std::uin
     // Flips after the removal may change the triangle, but they do not move its vertices.
     const SurfacePoint point = *middle(*found);
     const auto around = corners(*found);
-    std::vector<std::uint32_t> stack;
-    if (!remove(site, stack)) return false;
+    if (!remove(site)) return false;
     std::uint32_t triangle = *found;
     if (links_.is_removed(triangle) || corners(triangle) != around) triangle = triangle_of(links_.edge_of(around[0]));
     points_[site] = point;
     places_[site] = surface_->place(point);
+    normals_[site] = surface_->smooth_normal(point);
+    moved_[site] = 1;
     links_.divide(site, triangle);
-    for_edges(site, [&](std::uint32_t h) { stack.push_back(Links::next(h)); });
-    legalise(stack, kMostFlips);
+    for_edges(site, [&](std::uint32_t h) { stack_.push_back(Links::next(h)); });
+    legalise(kMostFlips);
     return true;
 }
 

@@ -108,10 +108,10 @@ private:
     std::vector<std::uint32_t> split_creases(const CreaseVertices& creases);
     void insert_sites(std::vector<std::uint32_t> face_of, const std::stop_token& stop);
     void remove_corners(const CreaseVertices& creases, const std::stop_token& stop);
-    bool remove(std::uint32_t vertex, std::vector<std::uint32_t>& stack);
-    Point3 normals_at(std::uint32_t a, std::uint32_t b) const;
+    bool remove(std::uint32_t vertex);
     bool can_collapse(std::uint32_t edge) const;
-    std::size_t legalise(std::vector<std::uint32_t>& stack, std::size_t most, const std::stop_token& stop = {});
+    std::size_t legalise(std::size_t most, const std::stop_token& stop = {});
+    void locate(const SurfacePoint& point);
     bool wants_flip(std::uint32_t edge) const;
     bool allows_flip(std::uint32_t edge) const;
     void renumber();
@@ -123,6 +123,9 @@ private:
     TriangleLinks links_;
     std::vector<SurfacePoint> points_;  ///< [vertices]
     std::vector<Point3> places_;        ///< [vertices]
+    std::vector<Point3> normals_;       ///< [vertices] smooth normals of the surface
+    std::vector<std::uint8_t> moved_;   ///< [vertices] whether the vertex was moved since restore_delaunay()
+    std::vector<std::uint32_t> stack_;  ///< edges that may not be Delaunay
 };
 
 }  // namespace ccdt
