@@ -272,7 +272,7 @@ std::vector<Ground> divide_ground(std::span<const std::vector<float>> light, con
     std::vector<Ground> grounds;
     for (auto& channel : clear) {
         grounds.emplace_back(denoised(channel, cells.columns, cells.rows, strength, kSteps, executor), cells);
-        channel = {};
+        channel = std::vector<float>();  // frees the memory
     }
     return grounds;
 }

@@ -75,7 +75,7 @@ public:
             std::vector<Region>& large = levels_[level + 1];
             for (std::size_t number = 0; number < small.size(); ++number)
                 pass_on(small[number], large[large.size() == 1 ? 0 : number / 4]);
-            small = {};
+            small = std::vector<Region>();  // frees the memory
         }
     }
 

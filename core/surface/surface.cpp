@@ -152,7 +152,7 @@ Result<Surface::Made> Surface::create(const TriangleSoup& soup, std::optional<do
 
     surface.vertices_ = std::move(connected->vertices);
     for (const ConnectedTriangles::Face& face : connected->faces) surface.faces_.push_back({face});
-    connected->faces = {};
+    connected->faces = std::vector<ConnectedTriangles::Face>();  // frees the memory
     surface.measure_faces();
     surface.mark_creases(crease);
     surface.number_components();

@@ -192,8 +192,8 @@ void Connector::pair_edges() {
     for_vertices(
         [this](std::uint32_t v) { for_edges(v, [this](std::span<const Side> sides) { remove_flat(sides); }); });
     for_vertices([this](std::uint32_t v) { for_edges(v, [this, v](std::span<const Side> sides) { pair(v, sides); }); });
-    sides_ = {};
-    first_side_ = {};
+    sides_ = std::vector<Side>();  // frees the memory
+    first_side_ = std::vector<std::uint32_t>();
 }
 
 /// Calls a function with the sides of each edge whose lower vertex is `low`.
