@@ -355,15 +355,18 @@ TEST(VolumeSample, AcceptsExtremeSidesAndFewSites) {
 }
 
 TEST(VolumeSample, AnswersPartiallyOrNotAtAllAfterAStop) {
-    std::stop_source source;
-    source.request_stop();
-    Control control;
-    control.stop = source.get_token();
     const std::string request = "{\"sites\":50,\"mesh\":true," + kBox;
-    const auto refused = answer(request + '}', {}, control);
+    const auto stopped = [&](const std::string& options) {
+        std::stop_source source;
+        Control control;
+        control.stop = source.get_token();
+        control.progress = [&](const Progress&) { source.request_stop(); };  // once all points are placed
+        return answer(request + options + '}', {}, control);
+    };
+    const auto refused = stopped("");
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::Stopped);
-    const auto partial = answer(request + R"(,"on_deadline":"partial"})", {}, control);
+    const auto partial = stopped(R"(,"on_deadline":"partial")");
     EXPECT_EQ(json_of(partial).at("points").size(), 50U);
     EXPECT_TRUE(partial->partial);
 }
