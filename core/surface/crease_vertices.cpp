@@ -30,11 +30,18 @@ double distance(Point3 p, Point3 a, Point3 b) {
 
 class Chooser {
 public:
-    Chooser(const Surface& surface, const std::function<double(std::uint32_t)>& spacing)
-        : surface_(surface), spacing_(spacing) {}
+    Chooser(const Surface& surface, std::span<const double> spacings, std::size_t sites)
+        : surface_(surface), spacings_(spacings) {
+        list_steps();
+        constexpr double kPerSite = 4, kAtLeast = 1000;  // largest number of vertices
+        double count = 0;
+        for (const Step& step : steps_)
+            count += length(surface_.vertex(step.to) - surface_.vertex(step.from)) / 2 /
+                     std::min(spacings_[step.from], spacings_[step.to]);
+        widening_ = std::max(1.0, count / (kPerSite * static_cast<double>(sites) + kAtLeast));
+    }
 
     CreaseVertices choose() {
-        list_steps();
         chosen_.corner.assign(surface_.vertex_count(), 0);
         done_.assign(steps_.size(), 0);
         for (std::uint32_t v = 0; v < surface_.vertex_count(); ++v) {
@@ -51,6 +58,8 @@ public:
     }
 
 private:
+    double spacing(std::uint32_t v) const { return widening_ * spacings_[v]; }
+
     /// Lists each edge twice, once from each end, sorted by the origin.
     void list_steps() {
         for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
@@ -110,7 +119,7 @@ private:
             std::size_t at = begin;
             for (std::size_t i = begin + 1; i < end; ++i) {
                 const double far =
-                    distance(place(chain, i), place(chain, begin), place(chain, end)) / spacing_(chain[i].from);
+                    distance(place(chain, i), place(chain, begin), place(chain, end)) / spacing(chain[i].from);
                 if (far > farthest) farthest = far, at = i;
             }
             if (farthest <= kTolerance) continue;
@@ -138,7 +147,7 @@ private:
         for (std::size_t begin = 0, end = 0; begin < chain.size(); begin = end) {
             std::vector<double> until{0};  // length of the chain in local spacings
             for (end = begin; end == begin || (end < chain.size() && chosen_.corner[chain[end].from] == 0); ++end) {
-                const double local = (spacing_(chain[end].from) + spacing_(chain[end].to)) / 2;
+                const double local = (spacing(chain[end].from) + spacing(chain[end].to)) / 2;
                 until.push_back(until.back() + length(place(chain, end + 1) - place(chain, end)) / local);
             }
             const double least = closed ? std::ceil(kFewest / 2) : 1;
@@ -167,7 +176,8 @@ private:
     }
 
     const Surface& surface_;
-    const std::function<double(std::uint32_t)>& spacing_;
+    std::span<const double> spacings_;
+    double widening_;  ///< factor by which the spacings are increased
     std::vector<Step> steps_;
     std::vector<std::uint32_t> first_;  ///< [vertices + 1] first step from each vertex
     std::vector<std::uint8_t> done_;    ///< [steps]
@@ -176,8 +186,8 @@ private:
 
 }  // namespace
 
-CreaseVertices choose_crease_vertices(const Surface& surface, const std::function<double(std::uint32_t)>& spacing) {
-    return Chooser(surface, spacing).choose();
+CreaseVertices choose_crease_vertices(const Surface& surface, std::span<const double> spacings, std::size_t sites) {
+    return Chooser(surface, spacings, sites).choose();
 }
 
 }  // namespace ccdt

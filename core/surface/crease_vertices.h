@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <functional>
+#include <span>
 #include <vector>
 
 #include "core/surface/surface.h"
@@ -23,10 +24,12 @@ struct CreaseVertices {
 
 /// Chooses vertices along borders and creases. Chains of edges between corners are simplified: a vertex of a chain is
 /// kept where it is farther than a tenth of the local spacing from the simplified chain. Between the kept vertices,
-/// further vertices are added at about the local spacing.
-/// @param spacing  returns the wanted distance of neighbouring sites around a vertex of the surface
+/// further vertices are added at about the local spacing. The spacing is increased where narrow parts would otherwise
+/// have many more such vertices than sites.
+/// @param spacings  [vertices] wanted distance of neighbouring sites around each vertex of the surface, > 0
+/// @param sites     number of sites
 /// Typically O(vertices log vertices). A chain of n edges whose distances from the simplified chain shrink along the
 /// chain takes O(n^2).
-CreaseVertices choose_crease_vertices(const Surface& surface, const std::function<double(std::uint32_t)>& spacing);
+CreaseVertices choose_crease_vertices(const Surface& surface, std::span<const double> spacings, std::size_t sites);
 
 }  // namespace ccdt

@@ -83,10 +83,7 @@ private:
         auto sites = without_nearest(initial_sites(surface_, density_, shares, options_.seed), fixed);
         sites.insert(sites.end(), fixed.begin(), fixed.end());
         if (stopping()) return;
-        const std::vector<double> spacings = spacings_at_vertices();
-        const double widening = crease_widening(spacings);
-        const auto creases =
-            choose_crease_vertices(surface_, [&](std::uint32_t vertex) { return widening * spacings[vertex]; });
+        const auto creases = choose_crease_vertices(surface_, spacings_at_vertices(), options_.sites);
         mesh_.emplace(surface_, std::move(sites), fixed.size(), creases, *control_.executor, control_.stop);
     }
 
@@ -106,22 +103,6 @@ private:
             }
         }
         return spacings;
-    }
-
-    /// Returns the factor by which the spacing of vertices on borders and creases is larger than that of the sites. It
-    /// is 1 unless narrow parts would have many more such vertices than sites.
-    double crease_widening(const std::vector<double>& spacings) const {
-        constexpr double kPerSite = 4, kAtLeast = 1000;
-        double count = 0;
-        for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
-            const auto corners = surface_.corners(f);
-            for (std::uint32_t i = 0; i < 3; ++i) {
-                const std::uint32_t a = corners[i], b = corners[(i + 1) % 3];
-                if (surface_.is_crease(4 * f + i))
-                    count += length(surface_.vertex(b) - surface_.vertex(a)) / std::min(spacings[a], spacings[b]);
-            }
-        }
-        return std::max(1.0, count / (kPerSite * static_cast<double>(options_.sites) + kAtLeast));
     }
 
     /// Returns points that are at least `least` apart, relative to the hexagonal distance: each point that is far

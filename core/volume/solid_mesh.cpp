@@ -24,8 +24,10 @@ std::vector<Point3> surface_vertices(const SolidDomain& domain, const VolumeSpac
                                      std::span<const Point3> points, std::size_t& creases) {
     const Surface& surface = domain.surface();
     std::vector<Point3> places;
-    const CreaseVertices chosen = choose_crease_vertices(
-        surface, [&](std::uint32_t v) { return spacing.side(domain.in_box(surface.vertex(v))); });
+    std::vector<double> spacings;
+    for (std::uint32_t v = 0; v < surface.vertex_count(); ++v)
+        spacings.push_back(spacing.side(domain.in_box(surface.vertex(v))));
+    const CreaseVertices chosen = choose_crease_vertices(surface, spacings, points.size());
     for (std::uint32_t v = 0; v < surface.vertex_count(); ++v) {
         if (chosen.corner[v] != 0) places.push_back(surface.vertex(v));
     }

@@ -121,19 +121,21 @@ TEST(DistributeInSolid, KeepsSitesAwayFromFixedPoints) {
 }
 
 TEST(DistributeInSolid, HandlesFewPointsAndThinParts) {
-    TriangleSoup plate = test::cube_surface(), rod = test::cube_surface();
+    TriangleSoup plate = test::cube_surface(), rod = test::cube_surface(), needle = test::cube_surface();
     for (Point3& p : plate.vertices) p.z *= 1e-5;
+    for (Point3& p : needle.vertices) p = {p.x, 1e-7 * p.y, 1e-7 * p.z};
     for (Point3& p : rod.vertices) p = {p.x, p.x + 1e-3 * p.y, p.x + 1e-3 * p.z};
     TriangleSoup pellets = test::sphere_surface(1);
     for (int i = 1; i < 40; ++i)
         pellets = test::joined(pellets, test::moved(test::sphere_surface(1), 1, {i * 7.0, i * i % 97 * 3.0, i * 2.0}));
-    for (const TriangleSoup& soup : {plate, rod, pellets, test::moved(hollow_ball(), 1e130, {0, 0, 0})}) {
+    for (const TriangleSoup& soup : {plate, rod, needle, pellets, test::moved(hollow_ball(), 1e130, {0, 0, 0})}) {
         const Solid solid = solid_of(soup);
         for (const std::size_t sites : {1, 3, 100}) {
             const Quality quality = sites == 100 ? Quality::Standard : Quality::Draft;
             const auto result = distributed(solid, {.sites = sites, .quality = quality, .keep_mesh = true});
             EXPECT_GT(least_distance(result.points), 0);
-            EXPECT_TRUE(result.mesh);
+            ASSERT_TRUE(result.mesh);
+            EXPECT_LT(result.mesh->vertices.size(), 6 * sites + 1000 + soup.vertices.size());
         }
     }
 }
