@@ -818,8 +818,9 @@ private:
 
 /// Returns the spacing around each point.
 /// @param even     whether all spacings are equal
-/// @param uniform  whether only borders increase the spacings that are measured. Smaller differences are due to chance,
-///                 and would let points come too near to each other
+/// @param uniform  whether the density is uniform, so that only borders change the spacing. Measured spacings then
+/// count
+///                 only if they exceed the usual one by a tenth, because smaller differences are due to chance
 template <class P>
 std::vector<double> spacings_of(const Frame<P>& frame, const Points<P>& points, bool even, bool uniform,
                                 Executor& executor, const std::stop_token& stop) {

@@ -13,13 +13,15 @@ namespace ccdt {
 /// @tparam P  Point or Point3
 template <class P>
 struct GridFrame {
-    static constexpr std::size_t kMargin = 3;  ///< cells beyond the grid; in the plane, there are none along z
+    /// Number of margin cells on each side of the grid; in the plane, there are none along z.
+    static constexpr std::size_t kMargin = 3;
 
     bool torus = false;
     P sides;
     std::array<int, 3> cells{};  ///< without the margin
 
-    double periods() const { return torus ? 1 : 0.5; }  ///< that the wave with the lowest frequency has along an axis
+    /// Returns the number of periods along an axis of the wave with the lowest frequency.
+    double periods() const { return torus ? 1 : 0.5; }
     P cell() const {
         return by_axis<P>([&](std::size_t axis) { return along(sides, axis) / cells[axis]; });
     }
@@ -36,7 +38,8 @@ struct GridFrame {
         const auto rows = static_cast<std::size_t>(cells[1]);
         return (margin(2) + line / rows) * padded(1) + margin(1) + line % rows;
     }
-    /// Returns the padded index of the cell whose value a cell repeats; itself if it is not in the margin.
+    /// Maps the padded index of a margin cell to that of the cell inside the grid that it repeats. Returns other
+    /// indices unchanged.
     std::size_t folded(std::size_t index, std::size_t axis) const {
         const int count = cells[axis], i = static_cast<int>(index) - static_cast<int>(margin(axis));
         const int period = torus ? count : 2 * count, k = ((i % period) + period) % period;

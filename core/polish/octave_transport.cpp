@@ -95,17 +95,17 @@ void OctaveTransport<P>::set_targets(std::span<const double> masses, const std::
                 values[i] = masses[i] * (levels_.empty() ? 1 : part(levels_[i], octave));
         });
         grid.forward();
-        const double highest = std::pow(filter_.end / octave_spacing(octave), 2);
         grid.with_coefficients([&]<class Coefficient>(std::span<Coefficient> coefficients) {
             auto& targets = std::get<std::vector<Kept<Coefficient>>>(targets_);
             grid.for_waves([&](std::size_t number, const Wave& wave) {
                 const P f = grid.frequency(wave);
-                if (number == 0 || dot(f, f) >= highest) return;
+                const double cycles = std::sqrt(dot(f, f)) * octave_spacing(octave);
+                if (number == 0 || cycles >= filter_.end) return;
                 Coefficient coefficient = coefficients[number];
                 // On a torus, centres of cells are half a cell beyond the grid points.
                 if constexpr (!std::is_same_v<Coefficient, double>)
                     coefficient *= std::polar(1.0, -kPi * dot(f, grid.cell()));
-                const double share = filter_.share(std::sqrt(dot(f, f)) * octave_spacing(octave));
+                const double share = filter_.share(cycles);
                 targets[number] += static_cast<Kept<Coefficient>>(
                     coefficient * Grid::product(share * potential_of(wave), means, wave));
             });
@@ -148,6 +148,7 @@ void OctaveTransport<P>::spread(std::span<const P> places, std::span<const doubl
 template <class P>
 bool OctaveTransport<P>::measure(std::span<const P> sites, std::span<const double> weights,
                                  const std::stop_token& stop) {
+    if (stop.stop_requested()) return false;
     clear();
     if (frame_.origin == P{}) {
         spread(sites, weights);
@@ -210,5 +211,9 @@ void OctaveTransport<P>::solve(std::span<Coefficient> total) {
 
 template class OctaveTransport<Point>;
 template class OctaveTransport<Point3>;
+template void OctaveTransport<Point>::solve(std::span<double>);
+template void OctaveTransport<Point>::solve(std::span<std::complex<double>>);
+template void OctaveTransport<Point3>::solve(std::span<double>);
+template void OctaveTransport<Point3>::solve(std::span<std::complex<double>>);
 
 }  // namespace ccdt

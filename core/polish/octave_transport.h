@@ -72,15 +72,16 @@ public:
 
     /// Limit on the number of octaves. Six octaves cover spacings of 1 to 32, which in the plane are densities of 1 to
     /// 1,000. In linear light, pictures of 8 bits give densities of 1 to 113. These are 3.4 octaves of spacing, or 4.1
-    /// with the added caution.
+    /// with the 0.7 octaves that are added for safety.
     static constexpr std::size_t kMaxOctaves = 6;
     static constexpr int kMinCells = 8;  ///< least number of cells of a grid along each axis
 
-    /// @param finest    spacing that the finest grid resolves
+    /// @param finest    spacing of octave 0, unless `least` is larger
     /// @param least     lower bound on the spacing of all octaves
     /// @param executor  runs the tasks; must outlive this object
     OctaveTransport(const Frame& frame, double finest, double least, const Filter& filter, Executor& executor);
 
+    /// Returns the argument `finest`; octave_spacing(0) may be larger.
     double finest_spacing() const { return finest_; }
     double octave_spacing(std::size_t octave) const {
         return std::max(least_, finest_ * std::exp2(static_cast<double>(octave)));
@@ -108,24 +109,26 @@ public:
     void assign_octaves(std::span<const double> spacings, std::span<const double> masses);
 
     /// Sets the wanted density, which is uniform otherwise.
+    /// @param masses  [cells of the finest grid] number of wanted sites
+    /// @param stop    polled regularly; after a stop, this object must not be used
     void set_targets(std::span<const double> masses, const std::stop_token& stop);
-    /// Sets the wanted density to that of the values spread since clear().
-    /// @param piece  size of the boxes whose contents were spread as points
+    /// Sets the wanted density to the sum of the points spread since clear().
+    /// @param piece  sides of the boxes that these points stand for
     void set_targets_from_spread(P piece, const std::stop_token& stop);
 
     void clear() {
         for (Octave& octave : octaves_) octave.grid.clear();
     }
     /// Spreads points on the grids of their octaves.
-    /// @param places   in the frame
+    /// @param places   relative to the origin of the frame, as Frame::place() returns them
     /// @param weights  [at most places] weights of the last points; all points before them have weight 1
     void spread(std::span<const P> places, std::span<const double> weights);
 
     /// Spreads sites in the domain, as above, and transforms the grids. Returns false after a stop.
     bool measure(std::span<const P> sites, std::span<const double> weights, const std::stop_token& stop);
 
-    /// Returns the largest power of a wave that will be removed, relative to the power of random points, after
-    /// measure(). Only for uniform spacing.
+    /// Returns the largest power of a wave that find_moves() will remove, relative to the power of random points. Must
+    /// be called after measure(). Only for a uniform wanted density, without set_targets().
     double largest_power(double sites);
 
     /// Computes the moves that cancel the measured error. The next call must be measure().

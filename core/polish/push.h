@@ -16,11 +16,13 @@ P capped(P move, double longest) {
     return length > longest ? (longest / length) * move : move;
 }
 
-/// A push of a site off another one that is nearer than `wanted`: by a share of the missing distance.
+/// Pushes a site away from another one that is nearer than `wanted`, by a share of the missing distance.
 struct PairPush {
     double wanted, share;
 
-    /// @param away  from the other site to the site, or the direction of the push; as long as `distance`
+    /// Returns the move of a site at a distance from the other one.
+    /// @param away  vector from the other site to the site, of length `distance`. If it is turned or scaled, so is the
+    ///              move
     template <class P>
     P move(P away, double distance) const {
         return share * (wanted / distance - 1) * away;
@@ -30,8 +32,8 @@ struct PairPush {
 /// Returns a move, plus the moves of a site due to pushes off all listed sites.
 /// @param range    largest distance of a site that pushes
 /// @param push_of  called with the number of a listed site and its distance; returns the PairPush
-/// @param apart    vector from a coincident site to the site that counts as its place; zero: coincident sites do not
-///                 push
+/// @param apart    vector that replaces the zero vector from a coincident site to this site; if it is zero, coincident
+///                 sites do not push
 template <class P, class PushOf>
 P pushed_off(const BasicCellList<P>& sites, P p, double range, P move, PushOf&& push_of, P apart = {}) {
     sites.for_near(p, range, [&](P other, std::uint32_t number) {

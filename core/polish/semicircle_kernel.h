@@ -14,14 +14,13 @@
 
 namespace ccdt {
 
-/// The kernel of a WaveGrid in space: an "exponential of semicircle" along each axis, 6 cells wide. With a B-spline of
-/// this width, the error of a wave at a quarter of the grid's frequency would be 1e-3. With this kernel, it is 5e-5,
-/// 1e-3 at 0.3 times the grid's frequency, and 3e-6 at a sixth, so that the power of waves can be reduced by 100 dB.
-/// BasicWaveGrid documents the functions.
+/// The kernel of WaveGrid3: an "exponential of semicircle" along each axis, 6 cells wide. The error of a wave is 3e-6
+/// at 1/6 cycle per cell, 5e-5 at 1/4 and 1e-3 at 0.3. So the power of waves can be reduced by 100 dB. With a B-spline
+/// of this width, the error at 1/4 would be 1e-3. BasicWaveGrid documents the functions.
 class SemicircleKernel {
 public:
     static constexpr std::size_t kPointsPerTask = 512;
-    static constexpr std::size_t kBand = 8;  ///< layers in which points are spread together; more than the taps reach
+    static constexpr std::size_t kBand = 8;  ///< least number of layers in a band; more than the taps reach
 
     /// @param values  of the padded grid
     SemicircleKernel(const GridFrame<Point3>& frame, double* values)
@@ -30,8 +29,8 @@ public:
     /// Returns the spectrum of the kernel along an axis.
     static double window(double periods, int cells) { return semicircle_spectrum<kTaps>(periods, cells); }
 
-    /// Returns the number of the band that contains the first taps of a point.
-    std::size_t band(Point3 p) const { return place(p.z, 2).first / kBand; }
+    /// Returns the padded layer of the first taps of a point.
+    std::size_t first_layer(Point3 p) const { return place(p.z, 2).first; }
 
     /// @param numbers  indices of the points to spread
     void spread(std::span<const Point3> points, std::span<const double> values,

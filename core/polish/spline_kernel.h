@@ -23,7 +23,7 @@ namespace ccdt {
 class SplineKernel {
 public:
     static constexpr std::size_t kPointsPerTask = 8192;
-    static constexpr std::size_t kBand = 16;  ///< rows in which points are spread together; more than the taps reach
+    static constexpr std::size_t kBand = 16;  ///< least number of rows in a band; more than the taps reach
 
     /// @param values  of the padded grid
     SplineKernel(const GridFrame<Point>& frame, double* values)
@@ -35,8 +35,8 @@ public:
     /// Returns the spectrum of the kernel along an axis.
     static double window(double periods, int cells) { return std::pow(sinc(periods / cells), static_cast<int>(kTaps)); }
 
-    /// Returns the number of the band that contains the first taps of a point.
-    std::size_t band(Point p) const { return places<OneLane>({p}).rows[0] / kBand; }
+    /// Returns the padded row of the first taps of a point.
+    std::size_t first_layer(Point p) const { return places<OneLane>({p}).rows[0]; }
 
     /// @param numbers  indices of the points to spread
     void spread(std::span<const Point> points, std::span<const double> values,

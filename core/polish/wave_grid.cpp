@@ -62,10 +62,13 @@ void BasicWaveGrid<P>::add_all(std::span<const P> points, Counts&& counts, Add&&
         }
         return add(order);
     }
-    const std::size_t bands = frame_.padded(kAxes<P> - 1) / Kernel<P>::kBand + 1;
+    constexpr std::size_t kMostBands = 512;  // bounds the memory for long grids
+    const std::size_t layers = frame_.padded(kAxes<P> - 1);
+    const std::size_t height = std::max(Kernel<P>::kBand, layers / kMostBands + 1);
+    const std::size_t bands = layers / height + 1;
     const std::size_t parts = (points.size() + kPointsPerTask - 1) / kPointsPerTask;
     const Kernel<P> kernel(frame_, padded_.data());
-    const auto band_of = [&](std::size_t i) { return kernel.band(points[i]); };
+    const auto band_of = [&](std::size_t i) { return kernel.first_layer(points[i]) / height; };
     // [parts][bands] position in the order for the next point of each band in a part.
     std::vector<std::uint32_t> next(parts * bands, 0);
     for_ranges(executor_, points.size(), kPointsPerTask, [&](std::size_t begin, std::size_t end) {

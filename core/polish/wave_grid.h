@@ -22,8 +22,8 @@ namespace ccdt {
 /// transforming, followed by a division by the spectrum of the kernel, window(), is a non-uniform transform. The
 /// kernels document its error.
 ///
-/// The results do not depend on the number of threads. 16 bytes per cell (torus) or 8 (box), also for a margin of 3
-/// cells.
+/// The results do not depend on the number of threads. Needs 8 bytes per cell of the grid with its margin of 3 cells
+/// and, on a torus, another 8 bytes per cell without the margin.
 ///
 /// Source: Beylkin, On the fast Fourier transform of functions with singularities, 1995.
 /// @tparam P  Point or Point3
@@ -98,8 +98,8 @@ public:
         }
     }
 
-    /// Calls visit(number of the coefficient, wave) for all waves, some calls in parallel. Waves may be negative along
-    /// y and z. Skips aliased waves.
+    /// Calls visit(number of the coefficient, wave) for all waves, some calls in parallel. The periods along y
+    /// and z may be negative. Skips aliased waves.
     template <class Visit>
     void for_waves(Visit&& visit) const {
         for_ranges(executor_, frame_.lines(), kLines, [&](std::size_t begin, std::size_t end) {
@@ -123,16 +123,15 @@ public:
         const auto periods = [&](int place, std::size_t axis) {
             return frame_.torus && 2 * place > frame_.cells[axis] ? place - frame_.cells[axis] : place;
         };
-        const int number = static_cast<int>(line), rows = frame_.cells[1];
-        return {0, periods(number % rows, 1), periods(number / rows, 2)};
+        const auto rows = static_cast<std::size_t>(frame_.cells[1]);
+        return {0, periods(static_cast<int>(line % rows), 1), periods(static_cast<int>(line / rows), 2)};
     }
     /// Returns the number of a wave's coefficient.
     std::size_t number(const Wave& wave) const {
         const auto place = [&](std::size_t axis) {
-            return wave[axis] < 0 ? wave[axis] + frame_.cells[axis] : wave[axis];
+            return static_cast<std::size_t>(wave[axis] < 0 ? wave[axis] + frame_.cells[axis] : wave[axis]);
         };
-        return static_cast<std::size_t>(place(2) * frame_.cells[1] + place(1)) * line_size() +
-               static_cast<std::size_t>(wave[0]);
+        return (place(2) * static_cast<std::size_t>(frame_.cells[1]) + place(1)) * line_size() + place(0);
     }
 
     /// Frequency in cycles per unit of length.
@@ -143,7 +142,7 @@ public:
     /// Factor by which spreading multiplies a coefficient.
     double window(const Wave& wave) const { return product(1, windows_, wave); }
 
-    /// Evaluates a function of the frequency along an axis, and of the axis.
+    /// Returns function(frequency, axis) for all frequencies along each axis.
     template <class Function>
     Factors along_axes(Function&& function) const {
         Factors values = windows_;

@@ -24,8 +24,8 @@ struct CreaseVertices {
 
 /// Chooses vertices along borders and creases. Chains of edges between corners are simplified: a vertex of a chain is
 /// kept where it is farther than a tenth of the local spacing from the simplified chain. Between the kept vertices,
-/// further vertices are added at about the local spacing. The spacing is increased where narrow parts would otherwise
-/// have many more such vertices than sites.
+/// further vertices are added at about the local spacing. If there would be more than four such vertices per
+/// site, plus 1,000, all spacings are increased by the same factor.
 /// @param spacings  [vertices] wanted distance of neighbouring sites around each vertex of the surface, > 0
 /// @param sites     number of sites
 /// Typically O(vertices log vertices). A chain of n edges whose distances from the simplified chain shrink along the

@@ -151,6 +151,7 @@ Result<Surface::Made> Surface::create(const TriangleSoup& soup, std::optional<do
     if (connected->faces.empty()) return failure(ErrorCode::Unusable, "no triangle has an area");
 
     surface.vertices_ = std::move(connected->vertices);
+    surface.faces_.reserve(connected->faces.size());
     for (const ConnectedTriangles::Face& face : connected->faces) surface.faces_.push_back({face});
     connected->faces = std::vector<ConnectedTriangles::Face>();  // frees the memory
     surface.measure_faces();

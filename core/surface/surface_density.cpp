@@ -203,6 +203,7 @@ Result<SurfaceDensity> SurfaceDensity::of_vertices(const Surface& surface, const
     const double largest =
         std::max(*std::max_element(values.begin(), values.end()), std::numeric_limits<double>::min());
     SurfaceDensity density;
+    density.values_.reserve(3 * std::size_t{surface.face_count()});
     for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
         auto corners = soup.triangles[surface.triangle_of(f)];
         if (surface.is_turned(f)) std::swap(corners[1], corners[2]);

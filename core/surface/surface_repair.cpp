@@ -400,6 +400,7 @@ void Connector::sort_faces() {
     std::ranges::sort(order);
     std::vector<std::uint32_t> numbers(removed_.size());
     const std::vector<Face> unsorted = std::exchange(result_.faces, {});
+    result_.faces.reserve(order.size());
     for (const auto& [position, f] : order) {
         numbers[f] = static_cast<std::uint32_t>(result_.faces.size());
         result_.faces.push_back(unsorted[f]);

@@ -254,6 +254,11 @@ std::size_t SurfaceTriangulation::legalise(std::size_t most, const std::stop_tok
         ++flips;
         stack_.insert(stack_.end(), {h, Links::previous(h), twin, Links::previous(twin)});
     }
+    // After the limit, edges that are left must be checked by the next restore_delaunay().
+    for (const std::uint32_t h : stack_) {
+        if (links_.is_removed(h / 4)) continue;
+        for (const std::uint32_t v : corners(h / 4)) moved_[v] = 1;
+    }
     stack_.clear();
     return flips;
 }
@@ -296,7 +301,7 @@ void SurfaceTriangulation::remove_corners(const CreaseVertices& creases, const s
 
 /// Removes a vertex by collapsing one of its edges. A vertex on a border or crease is merged with an adjacent one along
 /// it.
-/// @returns      false, without any change, if no edge can be collapsed
+/// @returns  false, without any change, if no edge can be collapsed
 bool SurfaceTriangulation::remove(std::uint32_t vertex) {
     constexpr std::size_t kMaxCandidates = 32;  // a vertex may have very many neighbours
     if (links_.edge_of(vertex) == kNone) return true;

@@ -124,7 +124,7 @@ private:
     std::vector<SurfacePoint> points_;  ///< [vertices]
     std::vector<Point3> places_;        ///< [vertices]
     std::vector<Point3> normals_;       ///< [vertices] smooth normals of the surface
-    std::vector<std::uint8_t> moved_;   ///< [vertices] whether the vertex was moved since restore_delaunay()
+    std::vector<std::uint8_t> moved_;   ///< [vertices] whether triangles at it may be new since restore_delaunay()
     std::vector<std::uint32_t> stack_;  ///< edges that may not be Delaunay
 };
 

@@ -20,11 +20,11 @@ namespace ccdt {
 /// as Relaxation does in the plane. They cannot all be equal: there are three coordinates, but about six tetrahedra,
 /// per site.
 ///
-/// The domain is divided into blocks, as by a k-d tree: planes halve the number of sites until it is at most 10,000.
-/// Each block is triangulated separately, together with the sites around it and with copies of sites beyond the
-/// domain's border. So blocks can be processed in parallel, and only the triangulations of a few blocks are in memory
-/// at a time. While a block is relaxed, the sites around it keep their places. In every second call, the blocks have
-/// other borders.
+/// The domain is divided into blocks, as by a k-d tree: planes divide the sites in two until no block has more
+/// than 10,000. Each block is triangulated separately, together with the sites around it and with copies of sites
+/// beyond the domain's border. So blocks can be processed in parallel, and only the triangulations of a few blocks are
+/// in memory at a time. While a block is relaxed, the sites around it keep their places. In every second call, the
+/// first planes divide the sites 40 : 60, so that the blocks have other borders.
 /// @tparam Domain  BoxDomain3 or SolidDomain
 template <class Domain>
 class BlockRelaxation {
@@ -47,7 +47,7 @@ private:
     /// A site or a copy near a block.
     struct Neighbour {
         Point3 place;
-        float reach;  ///< largest distance from a block that it is near to, along each axis
+        float reach;  ///< it is near all blocks that are at most this far away along each axis
     };
     struct Block {
         std::vector<std::uint32_t> own;  ///< numbers of the block's sites

@@ -11,7 +11,7 @@
 namespace ccdt {
 
 /// Moves near sites apart. In a box or solid, the mirror images of sites push, too, which keeps the first layer about
-/// half a spacing off the border. Coincident sites do not push each other.
+/// half a spacing off the border. Coincident sites move apart, each in a direction of its own.
 /// @tparam Domain   BoxDomain3 or SolidDomain
 /// @param sites     [sites + fixed] in the domain; the first `free` of them move
 /// @param reach     distance below which two sites are pushed, relative to the distance of neighbours in the densest

@@ -132,7 +132,8 @@ private:
             if (least >= kLeast) return;
         }
     }
-    /// Removes long waves. If they are to become negligible, returns the largest power that one had.
+    /// Removes long waves. Returns the largest power of a wave before the removal; 0 if the schedule has no `waves`, or
+    /// after a stop.
     double even_out() {
         constexpr std::size_t kSites = 512;  // per task
         if (!transport_.measure(sites_, {}, control_.stop)) return 0;

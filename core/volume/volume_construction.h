@@ -16,7 +16,7 @@
 namespace ccdt {
 
 struct VolumeOptions {
-    /// Largest number of sites and fixed points together. Their numbers, and those of their copies, fit 32 bits.
+    /// Largest number of sites and fixed points together. Numbers of sites and of a few copies of each fit 32 bits.
     static constexpr std::size_t kMostPoints = std::size_t{1} << 30;
 
     std::size_t sites = 0;   ///< >= 1

@@ -13,13 +13,14 @@ namespace {
 /// Upper limit of the removed frequencies of a uniform density, in cycles per mean spacing. It is just above half the
 /// principal frequency of the densest packing, 0.5456.
 constexpr double kLimit = 0.55;
-/// Cells per spacing: 3.3 cells per cycle of the highest frequency or, if the grid must be precise, nearly six. See
-/// SemicircleKernel for the errors.
+/// Cells per spacing. With uniform density, these are 3.3 cells per cycle of the highest frequency or, if the grid must
+/// be precise, nearly six. SemicircleKernel documents the errors.
 constexpr double kCellsPerSpacing = 1.8, kPreciseCells = 3.2;
 /// Largest density that octave 0 resolves, relative to the mean density.
 constexpr double kMaxContrast = 4;
-/// The grid of octave 0 has at most kMostVolumes times the cells that a domain needs that fills its bounding box, or
-/// kFewestCells if that is more. A solid that fills a small part of its bounding box reaches this limit.
+/// Limit on the cells of octave 0: kMostVolumes times the cells of a domain that fills its bounding box, or
+/// kFewestCells if that is more. A solid that fills a small part of its bounding box reaches this limit. With its
+/// margin, the grid of a thin box may have twice as many.
 constexpr double kMostVolumes = 3.8, kFewestCells = 1 << 17;
 
 /// Returns the spacing that octave 0 resolves, in a grid with `cells` cells per spacing.
@@ -29,9 +30,10 @@ double finest_spacing(const BoxDomain3& box, double contrast, const VolumeSpacin
     const double most = std::max(kFewestCells, kMostVolumes * std::pow(cells, 3) * points);
     double finest =
         std::max(spacing.mean() / std::cbrt(std::min(contrast, kMaxContrast)), cells * std::cbrt(box.volume() / most));
-    // Thin domains have more cells, because each axis has at least kMinCells.
+    // Thin domains have more cells, because each axis has at least kMinCells, and a margin.
     const auto along_side = [&](double side) {
-        return std::max<double>(OctaveTransport<Point3>::kMinCells, cells * side / finest);
+        return std::max<double>(OctaveTransport<Point3>::kMinCells, cells * side / finest) +
+               2 * GridFrame<Point3>::kMargin;
     };
     while (along_side(box.sides.x) * along_side(box.sides.y) * along_side(box.sides.z) > 2 * most) finest *= 2;
     return finest;
@@ -47,11 +49,11 @@ OctaveTransport<Point3> volume_transport(const BoxDomain3& box, double volume, c
     const double contrast = spacing.is_uniform() ? 1 : density.contrast() * volume / box.volume();
     const auto share_removed = [](double frequency) { return std::exp(-std::pow(frequency / 0.5, 4)); };
     const auto all = [](double) { return 1.0; };
-    OctaveTransport<Point3> transport({box.periodic, {}, box.sides},
-                                      finest_spacing(box, contrast, spacing, count, cells), 0,
-                                      spacing.is_uniform() ? OctaveTransport<Point3>::Filter{cells, kLimit, all}
-                                                           : OctaveTransport<Point3>::Filter{cells, 1, share_removed},
-                                      executor);
+    OctaveTransport<Point3> transport(
+        {box.periodic, {}, box.sides}, finest_spacing(box, contrast, spacing, count, cells), 0,
+        spacing.is_uniform() ? OctaveTransport<Point3>::Filter{cells, kLimit, all}
+                             : OctaveTransport<Point3>::Filter{cells, 0.49 * cells, share_removed},
+        executor);
     if (density.is_uniform()) return transport;
     WaveGrid3& grid = transport.finest();
     const auto [columns, rows, layers] = grid.cells();
