@@ -18,6 +18,7 @@
 #include "api/run/stopwatch.h"
 #include "api/sample/ordering.h"
 #include "api/sample/voxel_input.h"
+#include "api/surface/obj.h"
 #include "api/text/text.h"
 #include "core/order/progressive_order.h"
 #include "core/surface/surface_density.h"
@@ -71,12 +72,15 @@ constexpr auto kRules = with_shared_rules(std::array<OptionRule<Request>, 6>{{
 /// Returns the error of a mesh without colours.
 /// @param reason  why a picture could not be read; empty if all were read
 tl::unexpected<Error> no_colours(const SurfaceFile& file, std::string reason) {
-    constexpr std::string_view kMaterials = "mtllib ";
-    if (const auto at = file.bytes.find(kMaterials);
-        file.header.format == SurfaceFormat::Obj && at != std::string_view::npos) {
-        std::string_view rest = file.bytes.substr(at + kMaterials.size());
-        reason = "its materials are in another file (" + std::string(trim(take_until(rest, "\n"), " \t\r")) +
-                 "); send a GLB, which holds its textures";
+    std::string_view rest = file.header.format == SurfaceFormat::Obj ? file.bytes : std::string_view();
+    while (!rest.empty()) {
+        std::string_view line = trim(take_obj_line(rest));
+        const std::string_view word = line.substr(0, line.find_first_of(" \t"));
+        if (word != "mtllib") continue;
+        line.remove_prefix(word.size());
+        reason =
+            "its materials are in another file (" + excerpt(trim(line)) + "); send a GLB, which holds its textures";
+        break;
     }
     return failure(ErrorCode::Unusable, "the mesh has no colours" + (reason.empty() ? reason : ": " + reason),
                    "density");

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "api/output/stage_costs.h"
 #include "api/run/stopwatch.h"
 #include "api/sample/ordering.h"
+#include "api/text/text.h"
 #include "core/order/progressive_order.h"
 #include "core/volume/distribute_solid.h"
 #include "core/volume/solid.h"
@@ -34,7 +36,7 @@ Result<void> read_domain(const Input& input, Draft& draft) {
     static constexpr Choice<DomainWord> kWords[] = {
         {"box", DomainWord::Box}, {"torus", DomainWord::Torus}, {"solid", DomainWord::Solid}};
     const auto text = read_text(input);
-    if (text && !text->starts_with('{')) return assign(draft.word, read_choice<DomainWord>(input, kWords));
+    if (text && !trim(*text).starts_with('{')) return assign(draft.word, read_choice<DomainWord>(input, kWords));
     draft.is_object = true;
     if (!text) return assign(draft.domain, read_box(input));
     const auto document = JsonDocument::parse(*text);
@@ -47,13 +49,13 @@ Result<void> read_side(const Input& input, const Limits&, Draft& draft) {
     return assign(draft.sides.*kSide, read_number(input, kPositive));
 }
 
+/// First crease, which is only for solids; last the sides of a domain that is given as a word, which are not.
 constexpr auto kRules = with_shared_rules(std::array<OptionRule<Draft>, 7>{{
     {"domain", [](const Input& i, const Limits&, Draft& d) { return read_domain(i, d); }},
     {"density", [](const Input& i, const Limits& l, Draft& d) { return assign(d.density, read_voxels(i, l)); }},
     {"quality", [](const Input& i, const Limits&, Draft& d) { return read_quality(i, d.run); }},
     {"format",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.format, read_format(i, volume_formats())); }},
-    // The sides of a domain that is given as a word.
     {"width", read_side<&Point3::x>},
     {"height", read_side<&Point3::y>},
     {"depth", read_side<&Point3::z>},
@@ -67,25 +69,28 @@ tl::unexpected<Error> wrong(std::string_view option, std::string_view what) {
 Result<void> settle_domain(Draft& draft) {
     const auto& [width, height, depth] = draft.sides;
     const bool any_side = width > 0 || height > 0 || depth > 0;
-    if (any_side && (draft.is_object || draft.solid))
+    if (any_side && draft.is_object)
         return wrong("domain", "must be the word box or torus if width, height or depth is an option");
-    if (draft.solid.has_value() != (draft.word == DomainWord::Solid))
-        return wrong("domain", "must be solid for a mesh, and cannot be solid without a mesh");
+    if (!draft.solid && draft.word == DomainWord::Solid) return wrong("domain", "solid needs a mesh as the body");
     if (draft.is_object || draft.solid) return {};
-    const auto* file = std::get_if<VoxelFile>(&draft.density);
+    const auto voxels = voxels_of(draft.density);
     const auto side_or = [&](double given, std::size_t axis) {
-        return given > 0 || file == nullptr ? given : static_cast<double>(file->voxels[axis]);
+        return given > 0 || !voxels ? given : static_cast<double>((*voxels)[axis]);
     };
     draft.domain = {{side_or(width, 0), side_or(height, 1), side_or(depth, 2)}, draft.word == DomainWord::Torus};
     const Point3& sides = draft.domain.sides;
     if (sides.x > 0 && sides.y > 0 && sides.z > 0) return {};
-    return wrong("domain", "is a word, which needs width, height and depth in space");
+    return wrong("domain",
+                 std::string(draft.domain.periodic ? "torus" : "box") + " needs the options width, height and depth");
 }
 
 Result<void> check_quality(const VolumeRequest& request) {
     if (request.run.quality != Quality::Stealthy) return {};
     if (request.solid || !request.domain.periodic) return wrong("quality", "stealthy needs a domain of the type torus");
     if (!request.run.fixed.empty()) return wrong("quality", "stealthy allows no fixed points");
+    const auto* grid = std::get_if<VoxelGrid>(&request.density);
+    if (grid != nullptr && std::ranges::adjacent_find(grid->values, std::ranges::not_equal_to()) != grid->values.end())
+        return wrong("quality", "stealthy needs a uniform density");
     constexpr double kFewest = 16;  // sites in a cube; with fewer, power above -100 dB may remain
     const auto& [x, y, z] = request.domain.sides;
     const double side = std::min({x, y, z});
@@ -95,8 +100,7 @@ Result<void> check_quality(const VolumeRequest& request) {
 
 Result<void> check(Draft& draft, std::string_view accept) {
     ErrorList errors;
-    errors.add(settle_domain(draft));
-    errors.add(check_quality(draft));
+    errors.add(settle_domain(draft).and_then([&] { return check_quality(draft); }));
     errors.add(settle_format(accept, draft));
     return errors.result();
 }
@@ -104,7 +108,7 @@ Result<void> check(Draft& draft, std::string_view accept) {
 /// Reads options and checks their combination.
 /// @param draft  contains the body, if it is not JSON
 Result<VolumeRequest> parse(Draft draft, std::span<const Input> inputs, std::string_view accept, const Limits& limits) {
-    const auto rules = std::span(kRules).subspan(draft.solid ? 0 : 1);
+    const auto rules = draft.solid ? std::span(kRules).first(kRules.size() - 3) : std::span(kRules).subspan(1);
     const auto checked =
         read_with_sites<Draft>(rules, inputs, limits, draft).and_then([&] { return check(draft, accept); });
     if (!checked) return tl::unexpected(draft.located(checked.error()));
@@ -219,6 +223,7 @@ Result<PlacedVolume> place_in_space(const VolumeRequest& request, const Decode& 
 
 Cost cost_of(const VolumeRequest& request) {
     // Fitted to measured peaks of resident memory and to measured times; tests/api/cost_test.cpp compares the peaks.
+    static_assert(static_cast<int>(Quality::Stealthy) == 3);
     constexpr std::array<Estimate, 4> kOfQuality = {{{100, 34 * kMicrosecond},  // draft
                                                      {260, 31 * kMicrosecond},
                                                      {300, 60 * kMicrosecond},

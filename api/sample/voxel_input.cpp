@@ -12,6 +12,7 @@
 #include "api/image/image_header.h"
 #include "api/input/npy_reader.h"
 #include "api/json/json_document.h"
+#include "api/text/text.h"
 
 namespace ccdt::api {
 namespace {
@@ -101,7 +102,7 @@ Result<VoxelInput> read_voxels(const Input& input, const Limits& limits) {
     const auto* text = std::get_if<std::string_view>(&input.value);
     if (text == nullptr)
         return read_grid(input, limits).map([](VoxelGrid grid) { return VoxelInput(std::move(grid)); });
-    if (text->starts_with('{')) {
+    if (trim(*text).starts_with('{')) {
         const auto document = JsonDocument::parse(*text);
         if (!document) return malformed(input, "must be valid JSON: " + document.error().message);
         return read_voxels({"/density", "/density", document->root()}, limits);
@@ -125,15 +126,25 @@ Result<VoxelDensity> make_density(const VoxelInput& input, const Decode& decode,
     return VoxelDensity::create(grid->voxels, grid->values);
 }
 
+std::optional<std::array<std::size_t, 3>> voxels_of(const VoxelInput& input) {
+    if (const auto* grid = std::get_if<VoxelGrid>(&input)) return grid->voxels;
+    if (const auto* file = std::get_if<VoxelFile>(&input)) return file->voxels;
+    return std::nullopt;
+}
+
 Estimate voxel_cost(const VoxelInput& input) {
-    // Bytes of a voxel: a double for its value, one for its sum of masses, and a bit. A TIFF needs a float, too.
-    constexpr Estimate kVoxel{17, 0.03 * kMicrosecond}, kOfTiff{4, 0.03 * kMicrosecond};
-    if (const auto* grid = std::get_if<VoxelGrid>(&input)) return kVoxel * static_cast<double>(grid->values.size());
+    const auto voxels = voxels_of(input);
+    if (!voxels) return {};
+    const auto [x, y, z] = *voxels;
+    const double count = static_cast<double>(x) * static_cast<double>(y) * static_cast<double>(z);
+    const double corners = (static_cast<double>(x) + 1) * (static_cast<double>(y) + 1) * (static_cast<double>(z) + 1);
+    // A double and a bit for each voxel, and a double for the sum of masses up to each corner. A TIFF needs a float,
+    // too.
+    constexpr Estimate kVoxel{9, 0.03 * kMicrosecond}, kCorner{8, 0}, kOfTiff{4, 0.03 * kMicrosecond};
+    const Estimate read = kVoxel * count + kCorner * corners;
     const auto* file = std::get_if<VoxelFile>(&input);
-    if (file == nullptr) return {};
-    const Estimate read = kVoxel * file->count();
-    if (file->decoder_bytes == 0) return read;
-    return read + kOfTiff * file->count() + Estimate{static_cast<double>(file->decoder_bytes + file->bytes.size()), 0};
+    if (file == nullptr || file->decoder_bytes == 0) return read;
+    return read + kOfTiff * count + Estimate{static_cast<double>(file->decoder_bytes + file->bytes.size()), 0};
 }
 
 std::size_t bytes_of(const VoxelInput& input) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <string_view>
@@ -46,6 +47,9 @@ Result<VoxelFile> open_voxels(std::string_view bytes, const Limits& limits);
 /// Reads the option `density`: `{"width":w,"height":h,"depth":d,"values":[...]}`, or the text of a file of voxels.
 /// Errors: Malformed, with a JSON Pointer to the faulty value; those of open_voxels().
 Result<VoxelInput> read_voxels(const Input& input, const Limits& limits);
+
+/// Returns the numbers of voxels along x, y and z; none if the density is uniform.
+std::optional<std::array<std::size_t, 3>> voxels_of(const VoxelInput& input);
 
 /// Creates the density of a request. Errors: those of `decode` and of VoxelDensity::create().
 Result<VoxelDensity> make_density(const VoxelInput& input, const Decode& decode, const std::stop_token& stop);

@@ -145,7 +145,8 @@ Result<ApiRequest> build_request(const Command& command, const Arguments& argume
         ApiRequest request{*file, {}, std::string(accept)};
         if (mesh != nullptr && input != nullptr) request.options.push_back({"points", *input});
         for (const auto& [option, value] : arguments.given) {
-            if (&value != file) request.options.push_back({option->member, value});
+            const bool is_checked = mesh != nullptr && option->member == "format";  // by find_format()
+            if (&value != file && !is_checked) request.options.push_back({option->member, value});
         }
         return request;
     }
@@ -162,6 +163,7 @@ Result<api::ParsedPointer> parse_request(const Command& command, const ApiReques
 }
 
 Result<void> read_value_files(Arguments& arguments) {
+    std::vector<std::string*> files;
     for (auto& [option, value] : arguments.given) {
         const bool is_mesh = names_mesh(*option);
         if (!is_mesh && (!option->takes_json || !value.starts_with('@'))) continue;
@@ -174,9 +176,15 @@ Result<void> read_value_files(Arguments& arguments) {
             value = *std::move(content);
             continue;
         }
-        const bool is_kept = begins_like_json(*content) || api::is_npy(*content) ||
-                             (is_in_space(arguments) && api::is_voxel_file(*content));
-        value = is_kept ? *std::move(content) : R"({"image":")" + api::base64(*content) + R"("})";
+        value = *std::move(content);
+        files.push_back(&value);
+    }
+    // Only now, the domain is known.
+    const bool in_space = is_in_space(arguments);
+    for (std::string* const value : files) {
+        const bool is_kept =
+            begins_like_json(*value) || api::is_npy(*value) || (in_space && api::is_voxel_file(*value));
+        if (!is_kept) *value = R"({"image":")" + api::base64(*value) + R"("})";
     }
     return {};
 }
@@ -186,6 +194,8 @@ Result<const api::FileFormat*> find_format(const Command& command, const Argumen
     const auto formats = formats_of(command, arguments);
     if (const std::string* const name = arguments.find("format")) {
         const auto found = std::ranges::find(formats, *name, &api::FileFormat::name);
+        if (found == formats.end() && find_mesh(arguments) != nullptr)
+            return failure(ErrorCode::Malformed, "format must be 'json' for points on a mesh", "format");
         return found == formats.end() ? formats.front() : *found;  // the parser reports an unknown name
     }
     if (output == kStandardStream || replaceable_path(output).empty()) return formats.front();

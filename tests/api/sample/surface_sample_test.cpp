@@ -200,10 +200,14 @@ TEST(SurfaceSample, RepeatsAPicture) {
 TEST(SurfaceSample, SaysWhyAMeshHasNoColours) {
     std::string error;
     const std::vector<TextOption> options = {{"sites", "10"}, {"density", "color"}};
-    sampled("mtllib house.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", options, &error);
-    EXPECT_EQ(error,
-              "the mesh has no colours: its materials are in another file (house.mtl); send a GLB, which holds "
-              "its textures");
+    for (const std::string end : {"\n", "\r"}) {
+        sampled("# no mtllib x" + end + "mtllib house.mtl" + end + "v 0 0 0" + end + "v 1 0 0" + end + "v 0 1 0" + end +
+                    "f 1 2 3" + end,
+                options, &error);
+        EXPECT_EQ(error,
+                  "the mesh has no colours: its materials are in another file (house.mtl); send a GLB, which holds "
+                  "its textures");
+    }
     const std::string linked = glb(textured_gltf(R"("uri":"wood.png")"), square_buffer() + std::string(32, '\0'));
     sampled(linked, options, &error);
     EXPECT_EQ(error,
