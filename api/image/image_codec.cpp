@@ -92,10 +92,10 @@ Result<Picture> read_stack(std::string_view bytes, const ImageHeader& header, st
     for (std::size_t page = 0; page < header.frames; ++page) {
         const auto source = open_by_library(bytes, header, false, static_cast<int>(page));
         if (!source) return tl::unexpected(source.error());
-        if (source->channels != 1 || source->sample != sample.value_or(source->sample))
-            return failure(ErrorCode::Unusable,
-                           "page " + std::to_string(page + 1) +
-                               " is not grey, or its samples are of another type than those of the first page");
+        const std::string name = "page " + std::to_string(page + 1);
+        if (source->channels != 1) return failure(ErrorCode::Unusable, name + " is not grey");
+        if (source->sample != sample.value_or(source->sample))
+            return failure(ErrorCode::Unusable, name + " has samples of another type than page 1");
         sample = source->sample;
         if (!copy_page(*source, values.get() + page * layer)) return broken_image();
     }

@@ -33,7 +33,7 @@ Result<void> read_quality(const Input& input, Run& run) {
 }
 /// Reads the option `quality` without the value `stealthy`.
 template <class Run>
-Result<void> read_halftone_quality(const Input& input, Run& run) {
+Result<void> read_quality_without_stealthy(const Input& input, Run& run) {
     return assign(run.quality, read_choice<Quality>(input, qualities().first(3)));
 }
 

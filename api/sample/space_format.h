@@ -39,7 +39,7 @@ struct SpaceFormat {
     Write* write_points = nullptr;  ///< null: the format is only for triangulations
     Write* write_mesh = nullptr;    ///< null: write_points also writes the triangulation, or omits it
 
-    /// Function that writes the answer to a request; null if the format needs the triangulation, and `mesh` is false.
+    /// Returns the function that writes the answer; null if the format needs the triangulation, and `mesh` is false.
     /// @param mesh  whether the triangulation was requested
     Write* writer(bool mesh) const { return mesh && write_mesh != nullptr ? write_mesh : write_points; }
 };

@@ -137,8 +137,8 @@ Result<Answer> write_answer(const SpaceRequest<Run, Placed>& request, const Plac
 ///                 the whole body
 /// @returns        the answer; without its body if the sink received the body
 /// Errors: those of place_in_space() and of the format; LimitExceeded if the answer is too large for the format;
-/// Stopped, unless the request accepts a partial result. The same request gives the same bytes, except for `elapsed_ms`
-/// in JSON.
+/// Stopped, unless points are already placed and the request accepts a partial result. The same request gives the same
+/// bytes, except for `elapsed_ms` in JSON.
 template <class Request>
 Result<Answer> run_in_space(const Request& request, const Decode& decode, const Control& control, Timings& timings,
                             BodySink* sink = nullptr) {

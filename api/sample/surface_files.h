@@ -31,34 +31,34 @@ struct PlacedSurface {
     bool has_colours() const { return soup.has_colours(); }
     bool has_texture() const { return !soup.texture.empty(); }
 
-    /// Index of the triangle of the file in which point i lies.
+    /// Returns the index of the triangle of the file in which point i lies.
     std::uint32_t face(std::size_t i) const { return surface.triangle_of(dots.points[i].face); }
 
-    /// Barycentric coordinates of point i in this triangle.
+    /// Returns the barycentric coordinates of point i in this triangle.
     std::array<double, 3> weights(std::size_t i) const { return surface.original_weights(dots.points[i]); }
 
-    /// Position of point i in the coordinates of the file.
+    /// Returns the position of point i in the coordinates of the file.
     Point3 place(std::size_t i) const {
         const auto [u, v, w] = weights(i);
         const auto& [a, b, c] = soup.triangles[face(i)];
         return u * soup.vertices[a] + v * soup.vertices[b] + w * soup.vertices[c];
     }
 
-    /// Normal of the surface at point i; unit length.
+    /// Returns the unit normal of the surface at point i.
     Point3 normal(std::size_t i) const { return surface.smooth_normal(dots.points[i]); }
 
-    /// Colour at point i in linear light. The file must have colours.
+    /// Returns the colour at point i in linear light. The file must have colours.
     std::array<float, 3> colour(std::size_t i) const {
         const auto [red, green, blue, alpha] = soup.colour_at(face(i), weights(i));
         return {red, green, blue};
     }
 
-    /// Columns of the table of points, with colours, texture coordinates and ranks if there are any.
+    /// Returns the columns of the table of points, with colours, texture coordinates and ranks if there are any.
     std::vector<Column> columns() const;
     /// Replaces `row` by the values of point i in these columns.
     void read_row(std::size_t i, std::vector<double>& row) const;
 
-    /// Texture coordinates at point i. The file must have them.
+    /// Returns the texture coordinates at point i. The file must have them.
     std::array<float, 2> texture(std::size_t i) const { return soup.interpolated(soup.texture, face(i), weights(i)); }
 };
 

@@ -63,7 +63,7 @@ constexpr auto kRules = with_shared_rules(std::array<OptionRule<Request>, 6>{{
     {"domain", [](const Input& i, const Limits&, Request&) { return check_domain(i); }},
     {"iterations", [](const Input& i, const Limits&, Request& r) { return read_iterations(i, r.run); }},
     {"passes", [](const Input& i, const Limits&, Request& r) { return read_passes(i, r.run); }},
-    {"quality", [](const Input& i, const Limits&, Request& r) { return read_halftone_quality(i, r.run); }},
+    {"quality", [](const Input& i, const Limits&, Request& r) { return read_quality_without_stealthy(i, r.run); }},
     {"density", [](const Input& i, const Limits&, Request& r) { return read_density(i, r); }},
     {"format",
      [](const Input& i, const Limits&, Request& r) { return assign(r.format, read_format(i, surface_formats())); }},

@@ -49,7 +49,7 @@ Result<SurfaceRequest> parse_surface(Result<SurfaceFile> file, const std::vector
 ///
 /// Errors: those of `decode` and Surface::create(); Unusable if the density is zero everywhere, and if it follows the
 /// colours of a mesh without colours; Malformed if the number of densities is not that of the vertices; Stopped, unless
-/// the request accepts a partial result.
+/// points are already placed and the request accepts a partial result.
 Result<PlacedSurface> place_in_space(const SurfaceRequest& request, const Decode& decode, const Control& control,
                                      Timings& timings);
 

@@ -66,7 +66,7 @@ Result<VolumeRequest> parse_solid(Result<SurfaceFile> mesh, const std::vector<Te
 ///
 /// Errors: those of `decode`, VoxelDensity::create() and distribute_in_volume(); for a solid, those of
 /// Surface::create(), Solid::create() and distribute_in_solid(); Malformed for the quality stealthy unless the density
-/// is uniform; Stopped, unless the request accepts a partial result.
+/// is uniform; Stopped, unless points are already placed and the request accepts a partial result.
 Result<PlacedVolume> place_in_space(const VolumeRequest& request, const Decode& decode, const Control& control,
                                     Timings& timings);
 

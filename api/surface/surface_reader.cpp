@@ -188,7 +188,7 @@ private:
                 (is_embedded ? "the embedded texture " + name.substr(1) : "the texture " + name) + ' ' + reason);
         };
         const aiTexture* const texture = path.C_Str()[0] == '*' ? scene_.GetEmbeddedTexture(path.C_Str()) : nullptr;
-        if (path.length == 0) return failure(ErrorCode::Unusable, "a texture is empty");
+        if (path.length == 0) return failure(ErrorCode::Unusable, "the picture of a texture has no bytes");
         if (texture == nullptr) return fail("is in another file; embed it, for example in a GLB");
         auto& texels = contents_.soup.texels;
         auto [found, is_new] = pictures_.try_emplace(texture);
@@ -304,7 +304,8 @@ private:
         const std::uint32_t material = materials_->number_of(mesh.mMaterialIndex);
         soup.material_of.resize(soup.triangles.size(), material);
         if (soup.materials[material].width > 0 && !mesh.HasTextureCoords(set) && contents_.picture_error.empty())
-            contents_.picture_error = "a texture has no coordinates (TEXCOORD_" + std::to_string(set) + ")";
+            contents_.picture_error =
+                "a part of the mesh has a texture, but not its coordinates TEXCOORD_" + std::to_string(set);
     }
 
     using Colour = std::array<float, 3>;

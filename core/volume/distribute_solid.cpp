@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/volume/fixed_point_error.h"
 #include "core/volume/solid_domain.h"
 
 namespace ccdt {
@@ -66,8 +67,7 @@ Result<VolumeDistribution> distribute_in_solid(const Solid& solid, const VoxelDe
     std::vector<Point3> fixed;
     for (std::size_t i = 0; i < options.fixed.size(); ++i) {
         if (!solid.contains(options.fixed[i]))
-            return failure(ErrorCode::Malformed, "a fixed point must be inside the solid",
-                           "fixed/" + std::to_string(i));
+            return tl::unexpected(fixed_point_error(i, options.fixed[i], "inside the solid"));
         fixed.push_back(surface.from_input(options.fixed[i]));
     }
     const auto points = static_cast<double>(options.sites + fixed.size());

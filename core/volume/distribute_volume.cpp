@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <vector>
+
+#include "core/volume/fixed_point_error.h"
 
 namespace ccdt {
 
@@ -25,7 +26,7 @@ Result<void> check(const BoxDomain3& domain, const VolumeOptions& options) {
         const Point3 p = options.fixed[i];
         const auto within = [](double v, double side) { return v >= 0 && v <= side; };
         if (!within(p.x, sides.x) || !within(p.y, sides.y) || !within(p.z, sides.z))
-            return failure(ErrorCode::Malformed, "a fixed point must be in the domain", "fixed/" + std::to_string(i));
+            return tl::unexpected(fixed_point_error(i, p, "in the domain"));
     }
     return {};
 }

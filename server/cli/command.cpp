@@ -140,11 +140,13 @@ const std::array kProgramOptions = {
 
 struct GroupRow {
     std::string_view title;
-    std::string_view names;  ///< names of options, with blanks before and after each
+    /// Names of options, with blanks before and after each. `name=VALUE` stands for an option with such a value, if
+    /// another command has a flag of the same name.
+    std::string_view names;
 };
 
 constexpr auto kGroups = std::to_array<GroupRow>({
-    {"Area", " domain depth polygon holes geometry object coordinates invalid buffer avoid exclude "},
+    {"Area", " domain mesh=FILE depth polygon holes geometry object coordinates invalid buffer avoid exclude "},
     {"Dots", " sites minutes per classes properties density fixed sets dot dots tone detail levels invert "},
     {"Colour", " color palette foreground background layers "},
     {"Placement", " method quality iterations passes tolerance crease order mesh seed "},
@@ -205,7 +207,8 @@ std::vector<OptionGroup> group_options(std::span<const Option> options) {
     for (const auto& [title, names] : kGroups) {
         OptionGroup group{title, {}};
         const auto is_member = [&names = names](const Option* option) {
-            return names.find(' ' + option->name + ' ') != std::string_view::npos;
+            return names.find(' ' + option->name + ' ') != std::string_view::npos ||
+                   names.find(' ' + option->name + '=' + option->value + ' ') != std::string_view::npos;
         };
         std::ranges::copy_if(others, std::back_inserter(group.options), is_member);
         std::erase_if(others, is_member);

@@ -27,7 +27,7 @@ std::string command_names(bool all) {
 
 /// Whether the value of an option names a file, either directly or after an `@`.
 bool takes_file(const Option& option) {
-    return option.is_json() || option.name == "output";
+    return option.is_json() || option.value == "FILE";
 }
 
 /// Returns the long forms of an option: `--name` and, for a flag of the API, `--no-name`.
@@ -47,9 +47,10 @@ std::string quoted(std::string_view text) {
 std::string bash_case(const Command& command) {
     const std::string line = "                ";
     std::vector<std::string> names;
-    std::string of_words, of_json, of_others;
+    std::string of_words, of_json, of_files, of_others;
     const auto add = [](std::string& pattern, const Option& option) {
         pattern.append(pattern.empty() ? "" : "|").append("--").append(option.name);
+        if (option.letter != 0) pattern.append("|-").append(1, option.letter);
     };
     for (const Option& option : options_of(command)) {
         for (std::string& form : forms_of(option)) names.push_back(std::move(form));
@@ -58,11 +59,13 @@ std::string bash_case(const Command& command) {
                         (option.is_json() ? " files=1 ;;\n" : " ;;\n");
         else if (option.is_json())
             add(of_json, option);
-        else if (!option.is_flag() && !takes_file(option))
+        else if (takes_file(option))
+            add(of_files, option);
+        else if (!option.is_flag())
             add(of_others, option);
     }
-    return "        " + std::string(command.name) + ")\n            case $option in\n" + of_words + line +
-           "--output|-o) return ;;\n" + (of_json.empty() ? "" : line + of_json + ") files=1 ;;\n") + line + of_others +
+    return "        " + std::string(command.name) + ")\n            case $option in\n" + of_words + line + of_files +
+           ") return ;;\n" + (of_json.empty() ? "" : line + of_json + ") files=1 ;;\n") + line + of_others +
            ") compopt +o default +o bashdefault; return ;;\n" + line +
            "*) [[ $current == -* ]] && words=" + quoted(joined(names)) + " ;;\n            esac ;;\n";
 }

@@ -80,10 +80,11 @@ Result<void> check(const Operation& operation, const ComputeRequest& request) {
         (operation.takes_meshes && is_mesh(type)) ||
         (operation.takes_voxels && (type == api::kNpy.media_type || type == "image/tiff")))
         return {};
-    return failure(ErrorCode::Unsupported, "the type of the body must be application/json, " +
-                                               std::string(operation.takes_shapefiles ? "application/zip, " : "") +
-                                               "multipart/form-data, or that of a mesh, such as model/obj, not " +
-                                               type);
+    return failure(ErrorCode::Unsupported,
+                   "the type of the body must be application/json, " +
+                       std::string(operation.takes_shapefiles ? "application/zip, " : "") +
+                       (operation.takes_voxels ? std::string(api::kNpy.media_type) + ", image/tiff, " : "") +
+                       "multipart/form-data, or that of a mesh, such as model/obj, not " + type);
 }
 
 bool holds_shapefile(const Operation& operation, const ComputeRequest& request) {

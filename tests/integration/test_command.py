@@ -398,6 +398,7 @@ class Terminal(Folder):
 
     def test_bash_completes(self):
         (self.folder / "weights.png").write_bytes(b"")
+        (self.folder / "knot.obj").write_bytes(b"")
         master, _ = self.open(["bash", "--norc", "--noprofile", "-i"], TERM="dumb", PS1="> ",
                               PATH=f"{PROGRAM.parent}:{os.environ['PATH']}")
         os.write(master, b"source <(ccdt completion bash); echo loa''ded\n")
@@ -405,6 +406,7 @@ class Terminal(Folder):
         for typed, completed in (("ccdt ha\t", b"ccdt halftone "), ("--co\t", b"--color "), ("cm\t", b"cmyk "),
                                  ("--device=sp\t", b"spectra6 "), ("--outp\t", b"--output "), ("we\t", b"weights.png "),
                                  ("\x15ccdt sample --density @w\t", b"@weights.png "),
+                                 ("\x15ccdt analyze --mesh kn\t", b"knot.obj "),
                                  ("\x15ccdt help an\t", b"analyze "), ("\x15ccdt completion f\t", b"fish ")):
             with self.subTest(typed):
                 os.write(master, typed.encode())

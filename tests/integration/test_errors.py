@@ -247,6 +247,8 @@ class SampleRequests(ServerCase):
         for kind in ("image/png", "text/csv", "application/xml"):
             for path in ("/sample", "/analyze"):
                 self.assert_problem(self.ask(path, "--header", "Content-Type: " + kind, data=body), 415, kind[:9])
+        accepted = "application/zip, application/x-npy, image/tiff, multipart/form-data"
+        self.assert_problem(self.ask("/sample", "--header", "Content-Type: text/csv", data=body), 415, accepted)
         kind = "multipart/form-data; boundary=x"
         for path in ("/sample", "/analyze"):
             self.assert_problem(self.ask(path, "--header", "Content-Type: " + kind, data=body), 400, "form")

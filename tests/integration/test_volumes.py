@@ -159,16 +159,19 @@ class Errors(VolumeCase):
         colour = io.BytesIO()
         Image.new("RGB", (2, 2)).save(colour, "TIFF")
         uneven = tiff_of([VOXELS[0], VOXELS[0, 1:]])
+        mixed = tiff_of([VOXELS[0].astype(numpy.uint8), VOXELS[1].astype(numpy.float32)])
         cases = ((npy_of(broken), "sites=5", 400, "density/14", "nan in voxel (2, 0, 1)"),
                  (npy_of(0 * VOXELS), "sites=5", 422, "density", "0 everywhere"),
                  (npy_of(VOXELS), "sites=5&domain=solid", 400, "domain", "mesh"),
-                 (npy_of(VOXELS), "sites=5&fixed=%5B%5B9,0,0%5D%5D", 400, "fixed/0", "domain"),
+                 (npy_of(VOXELS), "sites=5&fixed=%5B%5B9,0,0%5D%5D", 400, "fixed/0",
+                  "the fixed point 0, (9, 0, 0), is not in the domain"),
                  (npy_of(VOXELS), "sites=9&width=1e9", 422, "domain", "quarter"),
                  (npy_of(numpy.ones((11, 10, 10))), "sites=5", 413, None, "max-pixels"),
                  (npy_of(numpy.ones((2, 2))), "sites=5", 400, None, "not (2, 2)"),
                  (npy_of(VOXELS.astype(">u2")), "sites=5", 400, None, "little-endian"),
                  (npy_of(VOXELS)[:-1], "sites=5", 400, None, "47 bytes"),
-                 (colour.getvalue(), "sites=5", 422, "density", "grey"),
+                 (colour.getvalue(), "sites=5", 422, "density", "page 1 is not grey"),
+                 (mixed, "sites=5", 422, "density", "page 2 has samples of another type than page 1"),
                  (uneven, "sites=5", 422, "density", "page 2 has 4 x 2 pixels, but the first page has 4 x 3"),
                  (tiff_of(VOXELS)[:40], "sites=5", 422, None, ""))
         for body, query, status, field, word in cases:

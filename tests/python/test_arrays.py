@@ -13,11 +13,12 @@ import ccdt
 import numpy as np
 import pytest
 import shapely.geometry
-from harness import PICTURES, POLYGONS, execute
+from harness import DATA, PICTURES, POLYGONS, execute
 from PIL import Image
 from profiles import DISPLAY_P3, rgb_profile
 
 SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1]]
+HOUSE, SPOT = (DATA / "meshes" / name for name in ("house.obj", "spot.obj"))
 
 
 def dots(picture, **options):
@@ -325,6 +326,18 @@ def test_results_can_be_pickled(ramp):
     assert np.array_equal(pickle.loads(pickle.dumps(analysis)).power, analysis.power)
 
 
+def test_points_keep_the_mesh_of_an_open_file():
+    with open(HOUSE, "rb") as file:
+        points = ccdt.sample(file, 50)
+    again = pickle.loads(pickle.dumps(points))
+    expected = ccdt.analyze(np.asarray(points), HOUSE, modes=5)
+    for each in (points, again):
+        assert np.array_equal(ccdt.analyze(each, modes=5).power, expected.power)
+    with open(SPOT, "rb") as file:
+        inside = ccdt.sample(ccdt.Solid(file), 20)
+    assert np.array_equal(pickle.loads(pickle.dumps(inside)), inside)
+
+
 def test_analyze_takes_sets_and_refuses_others():
     sets = np.stack([ccdt.sample(ccdt.Torus(), 64, seed=seed) for seed in range(2)])
     assert ccdt.analyze(sets).sets == 2
@@ -337,7 +350,11 @@ def test_analyze_takes_sets_and_refuses_others():
         ccdt.analyze([[0, 0], [1, 0]], ccdt.Box())
     with raises("points", r"\[n, 2 or 3\]"):
         ccdt.analyze(5)
-    with raises("domain", "modes is only"):
+    with raises("modes", "only for meshes"):
         ccdt.analyze(sets[0], modes=5)
+    with raises("max_frequency", "not for meshes"):
+        ccdt.analyze(np.zeros((2, 3)), HOUSE, max_frequency=2)
+    with raises("spectrum", "not for meshes"):
+        ccdt.analyze(np.zeros((2, 3)), HOUSE, spectrum=True)
     with raises("domain", "solid"):
         ccdt.analyze(np.zeros((2, 3)), ccdt.Solid("cube.obj"))

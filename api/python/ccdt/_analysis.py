@@ -118,8 +118,12 @@ def analyze(points: Any, domain: Any = None, *, max_frequency: Optional[float] =
     is_surface = isinstance(domain, Mesh) or is_mesh_file(domain)
     if not (is_surface or domain is None or isinstance(domain, (Torus, Rectangle, Box))):
         domain = None  # a polygon
-    if modes is not None and not is_surface or is_surface and (spectrum or max_frequency is not None):
-        raise Error("max_frequency and spectrum are not for meshes, and modes is only for them", field="domain")
+    if modes is not None and not is_surface:
+        raise Error("modes is only for meshes", field="modes")
+    if max_frequency is not None and is_surface:
+        raise Error("max_frequency is not for meshes", field="max_frequency")
+    if spectrum and is_surface:
+        raise Error("spectrum is not for meshes", field="spectrum")
     text = array_json(points, "points")
     depth, axes = np.ndim(points), (0, *np.shape(points))[-1]
     wanted = (3,) if is_surface or is_in_space(domain) else (2, 3) if domain is None else (2,)

@@ -250,11 +250,14 @@ def sample(domain: Any, sites: Any = None, *, density: Any = None, seed: int = 0
         mesh, texts = surface_request(domain, {"sites": sites, "density": density, "seed": seed, **options})
         surface = Kept(_core.SurfaceSample, mesh, [*texts.items(), ("format", "npy")])
         placed = surface.run(threads, progress)
-        return SurfacePoints._on(surface, npy_array(placed.write("npy", running(threads))), domain, placed.has_colors,
-                                 placed.has_texture, texts.get("order") == "progressive")
+        kept_domain = domain if isinstance(domain, Mesh) else mesh  # a file is open or may change
+        return SurfacePoints._on(surface, npy_array(placed.write("npy", running(threads))), kept_domain,
+                                 placed.has_colors, placed.has_texture, texts.get("order") == "progressive")
     if is_in_space(domain):
         check_names("sample", options, VolumeOptions)
         body, texts = volume_request(domain, {"sites": sites, "density": density, "seed": seed, **options})
+        if isinstance(domain, Solid) and not isinstance(domain.mesh, Mesh):
+            domain = Solid(body)
         solid = Kept(_core.VolumeSample, body, [*texts.items()])
         return VolumePoints._of(solid, npy_array(solid.run(threads, progress).write("npy", running(threads))), domain)
     raster = isinstance(domain, Pixels)

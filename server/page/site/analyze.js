@@ -17,7 +17,7 @@ const whitest = 2.5;  // power at and above which pixels are white
 /**
  * Returns the points to measure and their domain: for a rectangle or a torus, all points; for other shapes, the
  * projected points in the largest square inside the shape, relative to its lower left corner. For points on a surface,
- * returns the file of the mesh instead of a domain.
+ * returns the file of the mesh instead of a domain. Throws for points inside a mesh.
  */
 function windowOf({ points, shape, surface, outline, places }) {
   if (shape.domain) return { points, domain: shape.domain };

@@ -636,7 +636,7 @@ export class Sample extends Panel {
     const isFlat = !isSurface && !isVolume;
     this.fields.offer("sites", !isMap && !this.isMask);
     this.fields.offer("method", !isMap && !this.isMask && isFlat);
-    for (const { name } of surfaceFields) this.surfaceFields.offer(name, name === "density" ? isSurface : this.isMesh);
+    for (const { name } of surfaceFields) this.surfaceFields.offer(name, name === "domain" ? this.isMesh : isSurface);
     this.fields.offer("quality", !this.isMask);
     if (this.isMask) this.offerDownloads(masks, "mask");
     else if (!isFlat) this.offerDownloads((isVolume ? volumes : surfaces).formats, "points", Object.keys(this.options()));

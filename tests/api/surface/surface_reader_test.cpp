@@ -303,10 +303,10 @@ TEST(SurfaceReader, ReportsPicturesThatCannotBeRead) {
     EXPECT_EQ(error(glb(textured_gltf(R"("uri":"wood%20planks.png")"), square_buffer() + std::string(32, '\0'))),
               "the texture wood%20planks.png is in another file; embed it, for example in a GLB");
     EXPECT_EQ(error(glb(textured_gltf(R"("uri":"data:image/png;base64,")"), square_buffer() + std::string(32, '\0'))),
-              "a texture is empty");
+              "the picture of a texture has no bytes");
     std::string without_coordinates = textured_glb(png);
     without_coordinates.replace(without_coordinates.find("TEXCOORD_0"), 10, "_COORDINAT");
-    EXPECT_EQ(error(without_coordinates), "a texture has no coordinates (TEXCOORD_0)");
+    EXPECT_EQ(error(without_coordinates), "a part of the mesh has a texture, but not its coordinates TEXCOORD_0");
 }
 
 TEST(SurfaceReader, ReadsTextureCoordinatesOfObj) {

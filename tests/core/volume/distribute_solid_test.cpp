@@ -214,5 +214,12 @@ TEST(DistributeInSolid, RejectsOptionsOutOfRange) {
     EXPECT_EQ(field(*VoxelDensity::create({10, 10, 10}, values), {.sites = 1}), "density");
 }
 
+TEST(DistributeInSolid, NamesAFixedPointOutsideTheSolid) {
+    const auto result = distribute_in_solid(solid_of(test::sphere_surface(2)), VoxelDensity::uniform(),
+                                            {.sites = 1, .fixed = {{0, 0, 0}, {0.9, 0.9, 0}}});
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().message, "the fixed point 1, (0.9, 0.9, 0), is not inside the solid");
+}
+
 }  // namespace
 }  // namespace ccdt

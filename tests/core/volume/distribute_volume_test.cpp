@@ -282,5 +282,12 @@ TEST(DistributeInVolume, RejectsOptionsOutOfRange) {
     EXPECT_EQ(field(kBox, {.sites = 1, .fixed = {{0.5, 0.5, 0.5}, {0.5, 1.5, 0.5}}}), "fixed/1");
 }
 
+TEST(DistributeInVolume, NamesAFixedPointOutsideTheDomain) {
+    const auto result =
+        distribute_in_volume(kBox, VoxelDensity::uniform(), {.sites = 1, .fixed = {{0.5, 0.5, 0.5}, {0.5, 1.5, -9}}});
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().message, "the fixed point 1, (0.5, 1.5, -9), is not in the domain");
+}
+
 }  // namespace
 }  // namespace ccdt

@@ -131,5 +131,23 @@ TEST(Completion, KnowsThreeShells) {
     EXPECT_FALSE(completion_script("csh"));
 }
 
+TEST(Completion, OffersFilesForOptionsThatTakeThem) {
+    EXPECT_NE(completion_script("bash")->find("--mesh|--output|-o) return ;;"), std::string::npos);
+    EXPECT_NE(completion_script("zsh")->find("]:mesh:_files'"), std::string::npos);
+    EXPECT_NE(completion_script("fish")->find(" -l mesh -r -F "), std::string::npos);
+}
+
+TEST(Help, ListsTheMeshOfPointsAsAnArea) {
+    const auto group_of_mesh = [](std::string_view command) {
+        const std::vector<Option> options = options_of(*find_command(command));
+        for (const auto& [title, members] : group_options(options)) {
+            if (std::ranges::find(members, "mesh", &Option::name) != members.end()) return title;
+        }
+        return std::string_view();
+    };
+    EXPECT_EQ(group_of_mesh("analyze"), "Area");
+    EXPECT_EQ(group_of_mesh("sample"), "Placement");
+}
+
 }  // namespace
 }  // namespace ccdt::server
