@@ -49,7 +49,7 @@ Result<void> read_side(const Input& input, const Limits&, Draft& draft) {
     return assign(draft.sides.*kSide, read_number(input, kPositive));
 }
 
-/// First crease, which is only for solids; last the sides of a domain that is given as a word, which are not.
+/// The first one, crease, is only for solids. The last ones are the sides of a domain that is given as a word.
 constexpr auto kRules = with_shared_rules(std::array<OptionRule<Draft>, 7>{{
     {"domain", [](const Input& i, const Limits&, Draft& d) { return read_domain(i, d); }},
     {"density", [](const Input& i, const Limits& l, Draft& d) { return assign(d.density, read_voxels(i, l)); }},
@@ -69,6 +69,7 @@ tl::unexpected<Error> wrong(std::string_view option, std::string_view what) {
 Result<void> settle_domain(Draft& draft) {
     const auto& [width, height, depth] = draft.sides;
     const bool any_side = width > 0 || height > 0 || depth > 0;
+    if (any_side && draft.solid) return wrong("domain", "solid allows no width, height or depth");
     if (any_side && draft.is_object)
         return wrong("domain", "must be the word box or torus if width, height or depth is an option");
     if (!draft.solid && draft.word == DomainWord::Solid) return wrong("domain", "solid needs a mesh as the body");
@@ -108,7 +109,7 @@ Result<void> check(Draft& draft, std::string_view accept) {
 /// Reads options and checks their combination.
 /// @param draft  contains the body, if it is not JSON
 Result<VolumeRequest> parse(Draft draft, std::span<const Input> inputs, std::string_view accept, const Limits& limits) {
-    const auto rules = draft.solid ? std::span(kRules).first(kRules.size() - 3) : std::span(kRules).subspan(1);
+    const auto rules = std::span(kRules).subspan(draft.solid ? 0 : 1);
     const auto checked =
         read_with_sites<Draft>(rules, inputs, limits, draft).and_then([&] { return check(draft, accept); });
     if (!checked) return tl::unexpected(draft.located(checked.error()));

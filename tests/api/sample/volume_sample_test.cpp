@@ -279,7 +279,7 @@ TEST(VolumeSample, NamesTheFieldOfErrors) {
         {voxels, {}, ErrorCode::Malformed, "sites"},
         {cube_file(1), {{"sites", "9"}, {"domain", "solid"}}, ErrorCode::Unusable, ""},
         {cube_file(), {{"sites", "9"}, {"domain", "box"}}, ErrorCode::Malformed, "domain"},
-        {cube_file(), {{"sites", "9"}, {"domain", "solid"}, {"depth", "2"}}, ErrorCode::Malformed, "depth"},
+        {cube_file(), {{"sites", "9"}, {"domain", "solid"}, {"depth", "2"}}, ErrorCode::Malformed, "domain"},
         {cube_file(), {{"sites", "9"}, {"domain", "solid"}, {"fixed", "[[0,0,0]]"}}, ErrorCode::Malformed, "fixed/0"},
         {cube_file(), {{"sites", "9"}, {"domain", "solid"}, {"quality", "stealthy"}}, ErrorCode::Malformed, "quality"},
         {voxels, {{"sites", "9"}, {"domain", "solid"}}, ErrorCode::Malformed, "domain"},
