@@ -13,6 +13,8 @@ namespace ccdt::api {
 /// space, but not for halftones and surfaces.
 std::span<const Choice<Quality>> qualities();
 
+inline constexpr std::uint64_t kMaxIterations = 1000, kMaxPasses = 100;
+
 // These functions read the option after which they are named into the options of a run. Errors: Malformed.
 
 template <class Run>
@@ -21,11 +23,11 @@ Result<void> read_seed(const Input& input, Run& run) {
 }
 template <class Run>
 Result<void> read_iterations(const Input& input, Run& run) {
-    return assign(run.iterations, read_integer(input, 0, 1000));
+    return assign(run.iterations, read_integer(input, 0, kMaxIterations));
 }
 template <class Run>
 Result<void> read_passes(const Input& input, Run& run) {
-    return assign(run.passes, read_integer(input, 1, 100));
+    return assign(run.passes, read_integer(input, 1, kMaxPasses));
 }
 template <class Run>
 Result<void> read_quality(const Input& input, Run& run) {
@@ -34,7 +36,7 @@ Result<void> read_quality(const Input& input, Run& run) {
 /// Reads the option `quality` without the value `stealthy`.
 template <class Run>
 Result<void> read_quality_without_stealthy(const Input& input, Run& run) {
-    return assign(run.quality, read_choice<Quality>(input, qualities().first(3)));
+    return assign(run.quality, read_choice<Quality>(input, qualities().first(qualities().size() - 1)));
 }
 
 /// Reads the option `on_deadline`.
