@@ -63,7 +63,6 @@ class Analysis(_Measures, Drawing):
         return _answer({**self._members, "format": json.dumps(format or "json")}, None, None)
 
 
-
 def _answer(members: Dict[str, str], threads: Optional[int], progress: Any) -> _core.Answer:
     body = "{" + ",".join(f'"{name}":{text}' for name, text in members.items()) + "}"
     return _core.answer_analyze(body, running(threads, progress))
