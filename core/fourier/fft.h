@@ -21,10 +21,9 @@ int good_size(double least);
 /// one thread at a time may use an object. Throws std::bad_alloc. O(n log n) for n cells, 16 bytes per cell.
 class RealTransform {
 public:
-    /// @param cells     columns, rows and layers, each >= 1; see good_size(). A grid in space consists of `layers`
-    /// grids
-    ///                  of columns * rows cells, one after the other. The sums below then also run over the layers, and
-    ///                  their exponents have a third term.
+    /// @param cells     columns, rows and layers, each >= 1; see good_size(). A grid in space consists of a grid of
+    ///                  columns * rows cells for each layer. The sums below then also run over the layers, and their
+    ///                  exponents have a third term.
     /// @param executor  runs the transforms; must outlive this
     /// @param spare     least size of spare(), as a count of numbers
     ///
@@ -69,9 +68,8 @@ private:
 /// its border. The guarantees of RealTransform hold. 8 bytes per cell.
 class CosineTransform {
 public:
-    /// @param cells     as in RealTransform. In space, the sum of forward() has a third cosine, and the factors 4
-    /// become
-    ///                  8.
+    /// @param cells     as in RealTransform. In space, the sum of forward() has a third cosine, and the factors are 8
+    ///                  instead of 4.
     /// @param executor  runs the transforms; must outlive this
     /// @param spare     least size of spare(), as a count of numbers; 0, or at least the number of cells
     ///

@@ -818,8 +818,7 @@ private:
 
 /// Returns the spacing around each point.
 /// @param even     whether all spacings are equal
-/// @param uniform  whether the density is uniform, so that only borders change the spacing. Measured spacings then
-/// count
+/// @param uniform  whether the density is uniform, so that only borders change the spacing. Measured spacings count
 ///                 only if they exceed the usual one by a tenth, because smaller differences are due to chance
 template <class P>
 std::vector<double> spacings_of(const Frame<P>& frame, const Points<P>& points, bool even, bool uniform,
