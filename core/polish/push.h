@@ -32,12 +32,12 @@ struct PairPush {
 /// Returns a move, plus the moves of a site due to pushes off all listed sites.
 /// @param range    largest distance of a site that pushes
 /// @param push_of  called with the number of a listed site and its distance; returns the PairPush
-/// @param apart    vector that replaces the zero vector from a coincident site to this site; if it is zero, coincident
-///                 sites do not push
-template <class P, class PushOf>
-P pushed_off(const BasicCellList<P>& sites, P p, double range, P move, PushOf&& push_of, P apart = {}) {
+/// @param apart    called without arguments; returns the vector that replaces the zero vector from a coincident site to
+///                 this site. If it is zero, coincident sites do not push
+template <class P, class PushOf, class Apart>
+P pushed_off(const BasicCellList<P>& sites, P p, double range, P move, PushOf&& push_of, Apart&& apart) {
     sites.for_near(p, range, [&](P other, std::uint32_t number) {
-        const P away = p == other ? apart : p - other;
+        const P away = p == other ? apart() : p - other;
         const double squared = dot(away, away);
         if (squared >= range * range || squared == 0) return;
         const double distance = std::sqrt(squared);
@@ -45,6 +45,12 @@ P pushed_off(const BasicCellList<P>& sites, P p, double range, P move, PushOf&& 
         if (distance < push.wanted) move = move + push.move(away, distance);
     });
     return move;
+}
+
+/// The same for sites that do not push coincident ones.
+template <class P, class PushOf>
+P pushed_off(const BasicCellList<P>& sites, P p, double range, P move, PushOf&& push_of) {
+    return pushed_off(sites, p, range, move, push_of, [] { return P{}; });
 }
 
 }  // namespace ccdt

@@ -77,7 +77,7 @@ double push_apart(const Domain& domain, const VolumeSpacing& spacing, std::span<
                 // A fixed site does not yield, so the other site moves twice as far.
                 return PairPush{wanted, other < free ? share : 2 * share};
             };
-            const Point3 move = pushed_off(cells, p, range, {}, push_of, kApart * own * own_way(i));
+            const Point3 move = pushed_off(cells, p, range, {}, push_of, [&] { return kApart * own * own_way(i); });
             moved[i] = domain.moved(p, p + capped(move, kMaxPush * own));
         }
     });
