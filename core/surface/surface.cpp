@@ -173,9 +173,9 @@ void Surface::measure_faces() {
         total_area_ += faces_[f].area;
     }
     for (std::size_t f = 0; f < faces_.size(); ++f) {
-        if (!faces_[f].flat) continue;
+        if (!faces_[f].links.flat) continue;
         const std::uint32_t face = face_beside(static_cast<std::uint32_t>(f));
-        if (!faces_[face].flat) faces_[f].normal = faces_[face].normal;
+        if (!faces_[face].links.flat) faces_[f].normal = faces_[face].normal;
         if (faces_[f].normal == Point3{}) faces_[f].normal = {0, 0, 1};
     }
 }
@@ -185,12 +185,12 @@ void Surface::measure_faces() {
 std::uint32_t Surface::face_beside(std::uint32_t face) const {
     constexpr int kMaxFaces = 100;
     std::uint32_t entry = kNone;
-    for (int i = 0; i < kMaxFaces && faces_[face].flat; ++i) {
+    for (int i = 0; i < kMaxFaces && faces_[face].links.flat; ++i) {
         std::uint32_t longest = entry == 0 ? 1 : 0;
         for (std::uint32_t k = 0; k < 3; ++k) {
             if (k != entry && squared(edge_vector(face, k)) > squared(edge_vector(face, longest))) longest = k;
         }
-        const std::uint32_t other = faces_[face].twins[longest];
+        const std::uint32_t other = faces_[face].links.twins[longest];
         if (other == kNone) break;
         face = other / 4;
         entry = other % 4;
@@ -203,8 +203,8 @@ void Surface::mark_creases(std::optional<double> crease) {
     const double least = crease ? std::cos(std::clamp(*crease, 0.0, std::numbers::pi)) - kMargin : -2;
     for (Face& face : faces_) {
         for (std::uint32_t k = 0; k < 3; ++k) {
-            const bool is_border = face.twins[k] == kNone;
-            const bool is_crease = is_border || dot(face.normal, faces_[face.twins[k] / 4].normal) < least;
+            const bool is_border = face.links.twins[k] == kNone;
+            const bool is_crease = is_border || dot(face.normal, faces_[face.links.twins[k] / 4].normal) < least;
             border_edges_ += is_border ? 1 : 0;
             face.creases = static_cast<std::uint8_t>(face.creases | is_crease << k);
         }
@@ -237,13 +237,13 @@ void Surface::compute_vertex_normals() {
         for (std::uint32_t k = 0; k < 3; ++k) {
             const double angle =
                 std::atan2(2 * faces_[f].area, -dot(edge_vector(face, k), edge_vector(face, Links::previous(k))));
-            Point3& normal = normals_[faces_[f].corners[k]];
+            Point3& normal = normals_[faces_[f].links.corners[k]];
             normal = normal + angle * faces_[f].normal;
         }
     }
     // The normals around a vertex may cancel out.
     for (const Face& face : faces_) {
-        for (const std::uint32_t v : face.corners) {
+        for (const std::uint32_t v : face.links.corners) {
             if (squared(normals_[v]) < 1e-24) normals_[v] = face.normal;
         }
     }
@@ -252,7 +252,7 @@ void Surface::compute_vertex_normals() {
 
 std::array<double, 3> Surface::original_weights(const SurfacePoint& point) const {
     const auto& [a, b, c] = point.weights;
-    if (faces_[point.face].turned) return {a, c, b};
+    if (faces_[point.face].links.turned) return {a, c, b};
     return {a, b, c};
 }
 
@@ -262,7 +262,7 @@ Point3 Surface::place(const SurfacePoint& point) const {
 }
 
 Point3 Surface::smooth_normal(const SurfacePoint& point) const {
-    const auto& [a, b, c] = faces_[point.face].corners;
+    const auto& [a, b, c] = faces_[point.face].links.corners;
     const Point3 sum = point.weights[0] * normals_[a] + point.weights[1] * normals_[b] + point.weights[2] * normals_[c];
     return squared(sum) < 1e-24 ? faces_[point.face].normal : 1 / length(sum) * sum;
 }
@@ -298,7 +298,7 @@ SurfacePoint Surface::trace(const SurfacePoint& from, Point3 move) const {
 std::optional<SurfacePoint> Surface::moved_in_face(const SurfacePoint& from, Point3 move) const {
     constexpr double kLeastShare = 1e-6;  // of the squared move that is in the plane of the face
     const Face& face = faces_[from.face];
-    if (face.flat) return std::nullopt;
+    if (face.links.flat) return std::nullopt;
     const double all = dot(move, move);
     const Point3 inside = move - dot(move, face.normal) * face.normal;
     const double share = dot(inside, inside) / all;
@@ -393,11 +393,11 @@ SurfacePoint Surface::nearest(Point3 p) const {
     std::call_once(tree_->once, [this] {
         std::vector<std::uint32_t> solid;
         for (std::uint32_t f = 0; f < face_count(); ++f) {
-            if (!faces_[f].flat) solid.push_back(f);
+            if (!faces_[f].links.flat) solid.push_back(f);
         }
         // The surface may move, but its vertices and faces stay in place.
         tree_->faces.emplace(solid, [vertices = vertices_.data(), faces = faces_.data()](std::uint32_t f) {
-            const auto& [a, b, c] = faces[f].corners;
+            const auto& [a, b, c] = faces[f].links.corners;
             return std::array{vertices[a], vertices[b], vertices[c]};
         });
     });

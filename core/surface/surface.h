@@ -65,14 +65,14 @@ public:
     std::size_t vertex_count() const { return vertices_.size(); }
     std::size_t face_count() const { return faces_.size(); }
     Point3 vertex(std::uint32_t vertex) const { return vertices_[vertex]; }
-    std::array<std::uint32_t, 3> corners(std::uint32_t face) const { return faces_[face].corners; }
+    std::array<std::uint32_t, 3> corners(std::uint32_t face) const { return faces_[face].links.corners; }
     /// Half-edge on the other side of the edge; kNone on a border.
-    std::uint32_t twin(std::uint32_t edge) const { return faces_[edge / 4].twins[edge % 4]; }
+    std::uint32_t twin(std::uint32_t edge) const { return faces_[edge / 4].links.twins[edge % 4]; }
     /// Whether an edge is on the border or a crease. Points do not cross such edges.
     bool is_crease(std::uint32_t edge) const { return (faces_[edge / 4].creases >> edge % 4 & 1) != 0; }
 
     std::array<Point3, 3> places(std::uint32_t face) const {
-        const auto& [a, b, c] = faces_[face].corners;
+        const auto& [a, b, c] = faces_[face].links.corners;
         return {vertices_[a], vertices_[b], vertices_[c]};
     }
     double area(std::uint32_t face) const { return faces_[face].area; }
@@ -88,9 +88,9 @@ public:
     std::size_t border_edges() const { return border_edges_; }
 
     /// Triangle of the soup from which a face was made.
-    std::uint32_t triangle_of(std::uint32_t face) const { return faces_[face].triangle; }
+    std::uint32_t triangle_of(std::uint32_t face) const { return faces_[face].links.triangle; }
     /// Whether a face is a triangle of the soup that was turned over.
-    bool is_turned(std::uint32_t face) const { return faces_[face].turned; }
+    bool is_turned(std::uint32_t face) const { return faces_[face].links.turned; }
     /// Barycentric coordinates of a point with respect to the corners of triangle_of(point.face), in the order of the
     /// soup. Faces that were turned over have their corners in another order.
     std::array<double, 3> original_weights(const SurfacePoint& point) const;
@@ -125,7 +125,8 @@ public:
 private:
     struct Tree;
     struct Walk;
-    struct Face : ConnectedTriangles::Face {
+    struct Face {
+        ConnectedTriangles::Face links;
         std::uint8_t creases = 0;  ///< bit i is set if edge i is a crease
         std::uint32_t component = 0;
         double area = 0;
@@ -135,13 +136,13 @@ private:
     Surface();
 
     Point3 edge_vector(std::uint32_t face, std::uint32_t side) const {
-        const auto& corners = faces_[face].corners;
+        const auto& corners = faces_[face].links.corners;
         return vertices_[corners[side == 2 ? 0 : side + 1]] - vertices_[corners[side]];
     }
     /// Height of a face over a side with a given length; 0 for flat faces, because rounding errors in their height
     /// would move points along them.
     double height(std::uint32_t face, double base) const {
-        return faces_[face].flat ? 0 : 2 * faces_[face].area / base;
+        return faces_[face].links.flat ? 0 : 2 * faces_[face].area / base;
     }
     std::optional<SurfacePoint> moved_in_face(const SurfacePoint& from, Point3 move) const;
     bool begin_walk(Walk& walk, Point3 direction) const;
