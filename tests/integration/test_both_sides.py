@@ -258,7 +258,7 @@ class Palettes(ServerCase):
     def test_svg_has_a_layer_for_each_kind_if_requested(self):
         for colours in ("&color=cmyk", "&color=rgb", self.query(3)):
             with self.subTest(colours=colours):
-                query = "?sites=1000&scale=4" + colours
+                query = "?sites=500&scale=2" + colours
                 ours = LIGHT[pixels(self.halftone(ASTRONAUT, query + "&antialias=true").body, "RGB")]
                 svg = self.halftone(ASTRONAUT, query + "&format=svg&layers=kind").body
                 kinds = self.halftone(ASTRONAUT, query + "&dots=both&format=json").json()["kinds"]
