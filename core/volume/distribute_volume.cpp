@@ -17,7 +17,19 @@ bool is_length(double v) {
     return std::isfinite(v) && v > 0;
 }
 
-Result<void> check(const BoxDomain3& domain, const VolumeOptions& options) {
+/// Returns the domain, scaled such that its longest side is 1.
+BoxDomain3 scaled(const BoxDomain3& domain, double longest) {
+    const auto [x, y, z] = domain.sides;
+    return {{x / longest, y / longest, z / longest}, domain.periodic};
+}
+
+double longest_side(const BoxDomain3& domain) {
+    return std::max({domain.sides.x, domain.sides.y, domain.sides.z});
+}
+
+}  // namespace
+
+Result<void> check_volume(const BoxDomain3& domain, const VolumeOptions& options) {
     if (auto checked = check_sites(options); !checked) return checked;
     const Point3 sides = domain.sides;
     if (!is_length(sides.x) || !is_length(sides.y) || !is_length(sides.z))
@@ -28,20 +40,18 @@ Result<void> check(const BoxDomain3& domain, const VolumeOptions& options) {
         if (!within(p.x, sides.x) || !within(p.y, sides.y) || !within(p.z, sides.z))
             return tl::unexpected(fixed_point_error(i, p, "in the domain"));
     }
-    return {};
+    const BoxDomain3 unit = scaled(domain, longest_side(domain));
+    const double spacing = std::cbrt(unit.volume() / static_cast<double>(options.sites + options.fixed.size()));
+    if (spacing > 0 && std::min({unit.sides.x, unit.sides.y, unit.sides.z}) >= kThinnest * spacing) return {};
+    return failure(ErrorCode::Unusable, "a side is shorter than a quarter of the mean distance between points",
+                   "domain");
 }
-
-}  // namespace
 
 Result<VolumeDistribution> distribute_in_volume(const BoxDomain3& domain, const VoxelDensity& density,
                                                 const VolumeOptions& options, const Control& control) {
-    if (auto checked = check(domain, options); !checked) return tl::unexpected(checked.error());
-    const double scale = std::max({domain.sides.x, domain.sides.y, domain.sides.z});
-    const BoxDomain3 unit{{domain.sides.x / scale, domain.sides.y / scale, domain.sides.z / scale}, domain.periodic};
-    const double spacing = std::cbrt(unit.volume() / static_cast<double>(options.sites + options.fixed.size()));
-    if (!(spacing > 0) || std::min({unit.sides.x, unit.sides.y, unit.sides.z}) < kThinnest * spacing)
-        return failure(ErrorCode::Unusable, "a side is shorter than a quarter of the mean distance between points",
-                       "domain");
+    if (auto checked = check_volume(domain, options); !checked) return tl::unexpected(checked.error());
+    const double scale = longest_side(domain);
+    const BoxDomain3 unit = scaled(domain, scale);
     std::vector<Point3> fixed;
     for (const Point3 p : options.fixed) fixed.push_back(unit.inside({p.x / scale, p.y / scale, p.z / scale}));
 
