@@ -108,6 +108,30 @@ Result<void> check_count(const AnalyzeRequest& request, const Limits& limits) {
                    request.single ? "/points" : "/sets");
 }
 
+/// Converts the field of an error of core to a JSON Pointer in the request.
+Error located(const AnalyzeRequest& request, Error error) {
+    std::string& field = error.field;
+    if (error.code == ErrorCode::Stopped || field == "/domain") return error;  // the latter is of make_domain()
+    if (!field.empty() && field.front() != '/') {
+        field = pointer_below("", field);
+    } else if (request.single) {
+        const auto point = field.find('/', 1);
+        field.replace(0, std::min(point, field.size()), "/points");
+    } else {
+        field.insert(0, "/sets");
+    }
+    return error;
+}
+
+Result<void> check_points(const PlaneSets& given, const AnalysisOptions& options) {
+    return make_domain(given.domain).and_then([&](const Domain& domain) {
+        return check_analysis(given.sets, domain, options);
+    });
+}
+Result<void> check_points(const SpaceSets& given, const AnalysisOptions& options) {
+    return check_analysis(given.sets, given.domain.sides, given.domain.periodic, options);
+}
+
 Result<void> settle_points(Draft& draft, const Limits& limits) {
     if (draft.points.has_value() == draft.sets.has_value()) {
         return failure(ErrorCode::Malformed, "exactly one of points and sets must be given");
@@ -127,16 +151,9 @@ Result<void> settle_points(Draft& draft, const Limits& limits) {
     if (!domain_fits)
         return failure(ErrorCode::Malformed, "domain must have a depth if and only if points have three coordinates",
                        "/domain");
-    return check_count(request, limits);
-}
-
-/// Converts the field of an error of analyse() to a JSON Pointer in the request.
-std::string pointer_to(const AnalyzeRequest& request, std::string_view field) {
-    if (field == "/domain") return std::string(field);  // of make_domain()
-    if (!field.empty() && field.front() != '/') return pointer_below("", field);
-    if (!request.single) return "/sets" + std::string(field);
-    const auto point = field.find('/', 1);
-    return "/points" + std::string(point == std::string_view::npos ? "" : field.substr(point));
+    if (auto checked = check_count(request, limits); !checked) return checked;
+    return std::visit([&](const auto& given) { return check_points(given, request.options); }, request.points)
+        .map_error([&](Error error) { return located(request, std::move(error)); });
 }
 
 Result<std::string> write_figures(const AnalyzeRequest& request, const Analysis& analysis) {
@@ -199,11 +216,7 @@ Result<Answer> run_analyze(const AnalyzeRequest& request, const Control& control
     auto analysis = std::visit([&](const auto& given) { return analyse_sets(given, request.options, control.stop); },
                                request.points);
     timings.optimise = watch.lap();
-    if (!analysis) {
-        if (analysis.error().code != ErrorCode::Stopped)
-            analysis.error().field = pointer_to(request, analysis.error().field);
-        return tl::unexpected(analysis.error());
-    }
+    if (!analysis) return tl::unexpected(located(request, std::move(analysis.error())));
     auto body = request.format->write(request, *analysis);
     timings.encode = watch.lap();
     if (!body) return tl::unexpected(body.error());

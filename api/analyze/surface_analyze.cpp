@@ -60,6 +60,7 @@ Result<SurfaceAnalyzeRequest> parse_surface_analyze(Result<SurfaceFile> file, co
     errors.add(read_options<SurfaceAnalyzeRequest>(kRules, inputs_of(options), limits, request));
     if (std::ranges::find(options, "points", &TextOption::name) == options.end())
         errors.add(Result<void>(failure(ErrorCode::Malformed, "points is missing", "points")));
+    if (errors.result()) errors.add(check_surface_analysis(request.points.size(), request.modes));
     errors.add(file);
     errors.add(negotiate(accept, kFormats));
     if (auto right = errors.result(); !right) return tl::unexpected(right.error());

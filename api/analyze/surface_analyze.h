@@ -28,8 +28,8 @@ struct SurfaceAnalyzeRequest {
 /// @param options  options in the order of the request
 /// @param accept   the Accept header, empty if there is none
 /// Errors: those of `file` and of read_space_point_file(); Malformed for an unknown or repeated option, and for a value
-/// out of range, or if `points` is missing; NotAcceptable if the client does not accept JSON. Error::field is an
-/// option's name.
+/// out of range, or if `points` is missing; Unusable for fewer than 2 points; NotAcceptable if the client does not
+/// accept JSON. Error::field is an option's name.
 Result<SurfaceAnalyzeRequest> parse_surface_analyze(Result<SurfaceFile> file, const std::vector<TextOption>& options,
                                                     std::string_view accept, const Limits& limits);
 

@@ -307,8 +307,7 @@ private:
 
     bool has_tiff() const {
         if constexpr (std::is_same_v<Request, api::VolumeRequest>) {
-            const auto* voxels = std::get_if<api::VoxelFile>(&request_.density);
-            return voxels != nullptr && voxels->decoder_bytes > 0;
+            return request_.density.is_tiff();
         }
         return false;
     }

@@ -47,6 +47,8 @@ Result<void> read_density(const Input& input, SurfaceRequest& request) {
         if (!value) return tl::unexpected(value.error());
         values.push_back(*value);
     }
+    if (std::ranges::count(values, 0) == std::ranges::ssize(values))
+        return failure(ErrorCode::Unusable, input.name + " must have a number above 0", input.field);
     request.density = std::move(values);
     return {};
 }

@@ -45,16 +45,16 @@ bool asks_for_solid(const std::vector<TextOption>& options);
 /// @param options  must be empty
 /// @param accept   the Accept header, empty if there is none; the option `format` takes precedence
 /// Errors: Malformed for an unknown or repeated option, for a value of the wrong type or out of range, for missing
-/// options, for a format of meshes without `mesh`, and for the quality stealthy unless the domain is a torus without
-/// fixed points; those of open_voxels(); LimitExceeded for too many sites or fixed points;
-/// NotAcceptable if the client accepts none of the formats. Error::field is a JSON Pointer.
+/// options, for a format of meshes without `mesh`, and for the quality stealthy unless the domain is a torus of uniform
+/// density without fixed points; those of read_voxels() and check_volume(); LimitExceeded for too many sites or fixed
+/// points; NotAcceptable if the client accepts none of the formats. Error::field is a JSON Pointer.
 Result<VolumeRequest> parse_volume(JsonValue root, const std::vector<TextOption>& options, std::string_view accept,
                                    const Limits& limits);
 
 /// Reads a request whose options are given as text.
 /// @param voxels   the density; without `width`, `height` or `depth`, a voxel is one unit long
 /// Errors: as above; Error::field begins with the name of an option.
-Result<VolumeRequest> parse_volume(Result<VoxelFile> voxels, const std::vector<TextOption>& options,
+Result<VolumeRequest> parse_volume(Result<VoxelInput> voxels, const std::vector<TextOption>& options,
                                    std::string_view accept, const Limits& limits);
 
 /// Reads a request for points inside a mesh.
@@ -64,9 +64,9 @@ Result<VolumeRequest> parse_solid(Result<SurfaceFile> mesh, const std::vector<Te
 
 /// Creates the domain and the density, and distributes points. run_in_space() also writes them.
 ///
-/// Errors: those of `decode`, VoxelDensity::create() and distribute_in_volume(); for a solid, those of
-/// Surface::create(), Solid::create() and distribute_in_solid(); Malformed for the quality stealthy unless the density
-/// is uniform; Stopped, unless points are already placed and the request accepts a partial result.
+/// Errors: those of `decode`; for a TIFF, those of VoxelDensity::create(), and Malformed for the quality stealthy
+/// unless the density is uniform; for a solid, those of Surface::create(), Solid::create() and distribute_in_solid();
+/// Stopped, unless points are already placed and the request accepts a partial result.
 Result<PlacedVolume> place_in_space(const VolumeRequest& request, const Decode& decode, const Control& control,
                                     Timings& timings);
 

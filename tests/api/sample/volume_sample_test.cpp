@@ -312,6 +312,22 @@ TEST(VolumeSample, NamesTheFieldOfErrors) {
     EXPECT_EQ(many.error().code, ErrorCode::LimitExceeded);
 }
 
+TEST(VolumeSample, ChecksDomainsAndVoxelsBeforeItRuns) {
+    const auto field = [](const std::string& body, const std::vector<TextOption>& options = {}) {
+        const auto request = parse_sample_request(body, options, "", {});
+        return request ? "accepted" : request.error().field;
+    };
+    const auto json = [](const std::string& members) { return "{\"sites\":32," + members + '}'; };
+    const std::vector<TextOption> torus = {{"sites", "32"}, {"domain", "torus"}, {"quality", "stealthy"}};
+    EXPECT_EQ(field(json(kBox + R"(,"density":{"width":1,"height":1,"depth":2,"values":[0,0]})")), "/density");
+    EXPECT_EQ(field(json(kBox + R"(,"fixed":[[0,0,9]])")), "/fixed/0");
+    EXPECT_EQ(field(json(R"("domain":{"type":"box","width":1,"height":1,"depth":1e-9})")), "/domain");
+    EXPECT_EQ(field(npy_of<float>("<f4", {1, 1, 2}, {0, 0}), torus), "density");
+    EXPECT_EQ(field(npy_of<float>("<f4", {1, 1, 2}, {1, -1}), torus), "density/1");
+    EXPECT_EQ(field(npy_of<float>("<f4", {1, 1, 2}, {1, 2}), torus), "quality");
+    EXPECT_EQ(field(npy_of<float>("<f4", {1, 1, 2}, {2, 2}), torus), "accepted");
+}
+
 TEST(VolumeSample, TakesTheSidesOfAWordInJson) {
     const auto points = [](const std::string& domain) {
         return json_of(answer("{\"sites\":20,\"quality\":\"draft\"," + domain + '}')).at("points");
