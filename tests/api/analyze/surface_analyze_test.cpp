@@ -53,6 +53,7 @@ TEST(SurfaceAnalyzeRequest, LocatesErrorsByTheNameOfTheOption) {
         {{{"points", "[[1,2,3]]"}, {"modes", "501"}}, "modes"},
         {{{"points", "[[1,2,3]]"}, {"points", "[[1,2,3]]"}}, "points"},
         {{{"points", "[[1,2,3]]"}, {"domain", "{}"}}, "domain"},
+        {{{"points", "[[1,2,3]]"}, {"format", "png"}}, "format"},
     };
     for (const auto& [options, field] : cases) {
         const auto request = parse(options);
@@ -61,6 +62,8 @@ TEST(SurfaceAnalyzeRequest, LocatesErrorsByTheNameOfTheOption) {
         EXPECT_EQ(request.error().field, field);
     }
     EXPECT_EQ(parse({{"points", "[[1,2,3],[4,5,6]]"}}, "image/png").error().code, ErrorCode::NotAcceptable);
+    EXPECT_TRUE(parse({{"points", "[[1,2,3],[4,5,6]]"}, {"format", "json"}}, "image/png"));
+    EXPECT_EQ(parse({{"points", "[[1,2]]"}}).error().message, "points/0 must be a position [x, y, z]");
     Limits one;
     one.max_sites = 1;
     EXPECT_EQ(parse({{"points", "[[1,2,3],[1,2,3]]"}}, "", one).error().code, ErrorCode::LimitExceeded);
