@@ -49,6 +49,9 @@ Result<bool> read_boolean(const Input& input);
 /// Reads text, such as a word, a colour or base64. The result refers to memory of the input.
 Result<std::string_view> read_text(const Input& input);
 
+/// Parses text that is JSON. Errors: Malformed.
+Result<JsonDocument> parse_json(const Input& input);
+
 /// Parses text that is a list in JSON. Errors: Malformed.
 Result<JsonDocument> parse_list(const Input& input);
 

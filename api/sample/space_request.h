@@ -24,11 +24,14 @@
 namespace ccdt::api {
 
 /// Converts the fields of an error and of its `others`: to JSON Pointers for a JSON body, and otherwise to texts
-/// without a slash at the start.
+/// without a slash at the start. A message that begins with such a field is changed, too.
 inline Error locate(Error error, bool is_json) {
     std::string& field = error.field;
     if (is_json && !field.empty() && !field.starts_with('/')) field.insert(0, "/");
-    if (!is_json && field.starts_with('/')) field.erase(0, 1);
+    if (!is_json && field.starts_with('/')) {
+        if (error.message.starts_with(field)) error.message.erase(0, 1);
+        field.erase(0, 1);
+    }
     for (Error& other : error.others) other = locate(std::move(other), is_json);
     return error;
 }

@@ -55,8 +55,8 @@ Result<void> read_density(const Input& input, SurfaceRequest& request) {
 
 /// Checks the option `domain`. Its value `solid` requests points in space, which has another parser.
 Result<void> check_domain(const Input& input) {
-    if (const auto text = read_text(input); text && *text == "surface") return {};
-    return malformed(input, "must be surface or solid");
+    static constexpr std::string_view kDomains[] = {"surface", "solid"};
+    return read_word(input, kDomains).map([](std::size_t) {});
 }
 
 using Request = SurfaceRequest;

@@ -34,12 +34,16 @@ Result<void> read_domain(const Input& input, Draft& draft) {
     static constexpr Choice<DomainWord> kWords[] = {
         {"box", DomainWord::Box}, {"torus", DomainWord::Torus}, {"solid", DomainWord::Solid}};
     const auto text = read_text(input);
-    if (text && !trim(*text).starts_with('{')) return assign(draft.word, read_choice<DomainWord>(input, kWords));
+    if (text && !trim(*text).starts_with('{'))
+        return assign(draft.word, read_choice<DomainWord>(input, kWords).map_error([](Error error) {
+            error.message += ", or an object in JSON";
+            return error;
+        }));
     draft.is_object = true;
     if (!text) return assign(draft.domain, read_box(input));
-    const auto document = JsonDocument::parse(*text);
-    if (!document) return malformed(input, "must be valid JSON: " + document.error().message);
-    return assign(draft.domain, read_box({"/domain", "/domain", document->root()}));
+    return assign(draft.domain, parse_json(input).and_then([](const JsonDocument& document) {
+        return read_box({"/domain", "/domain", document.root()});
+    }));
 }
 
 template <double Point3::*kSide>
@@ -159,7 +163,7 @@ std::vector<std::string_view> volume_options() {
 bool asks_for_volume(JsonValue root) {
     const auto domain = root.is_object() ? root.find("domain") : std::nullopt;
     if (!domain) return false;
-    if (domain->is_string()) return domain->text() == "box" || domain->text() == "torus";
+    if (domain->is_string()) return true;
     if (!domain->is_object()) return false;
     const auto format = root.find("format");
     if (format && format->is_string() && format->text().starts_with("mask")) return false;

@@ -116,11 +116,10 @@ Result<VoxelInput> read_voxels(const Input& input, const Limits& limits) {
     const auto* text = std::get_if<std::string_view>(&input.value);
     if (text == nullptr)
         return read_grid(input, limits).and_then([](VoxelGrid grid) { return checked({std::move(grid)}); });
-    if (trim(*text).starts_with('{')) {
-        const auto document = JsonDocument::parse(*text);
-        if (!document) return malformed(input, "must be valid JSON: " + document.error().message);
-        return read_voxels({"/density", "/density", document->root()}, limits);
-    }
+    if (trim(*text).starts_with('{'))
+        return parse_json(input).and_then([&](const JsonDocument& document) {
+            return read_voxels({"/density", "/density", document.root()}, limits);
+        });
     if (!is_voxel_file(*text)) return malformed(input, "must be an NPY file, a TIFF, or an object in JSON");
     const auto owned = std::make_shared<const std::string>(*text);
     auto voxels = open_voxels(*owned, limits);

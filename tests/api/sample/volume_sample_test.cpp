@@ -307,6 +307,11 @@ TEST(VolumeSample, NamesTheFieldOfErrors) {
     const auto surface = answer(cube_file(), {{"sites", "9"}, {"density", voxels}});
     ASSERT_FALSE(surface);
     EXPECT_NE(surface.error().message.find("needs domain=solid"), std::string::npos) << surface.error().message;
+    const auto message = [](const Result<Answer>& result) { return result ? "" : result.error().message; };
+    EXPECT_EQ(message(answer(json(R"("domain":"solid")"))), "domain solid needs a mesh as the body");
+    EXPECT_EQ(message(answer(voxels, {{"sites", "9"}, {"domain", R"({"type":"box","width":0})"}})),
+              "domain/width must be a number above 0");
+    EXPECT_EQ(message(answer(voxels, {{"sites", "9"}, {"domain", "{x"}})), "domain is not valid JSON: error at byte 2");
     const auto many = answer(voxels, sites, {}, {.max_pixels = 1});
     ASSERT_FALSE(many);
     EXPECT_EQ(many.error().code, ErrorCode::LimitExceeded);
