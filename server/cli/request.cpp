@@ -126,15 +126,13 @@ Result<std::string> build_analyze_body(const Arguments& arguments, const std::st
 
 /// Returns the formats between which a command chooses.
 std::vector<const api::FileFormat*> formats_of(const Command& command, const Arguments& arguments) {
-    if (find_mesh(arguments) != nullptr) return {&api::kJson};
     if (arguments.find("device") != nullptr) return api::files_of(api::device_formats());
     return command.formats();
 }
 
 }  // namespace
 
-Result<ApiRequest> build_request(const Command& command, const Arguments& arguments, const std::string* input,
-                                 std::string_view accept) {
+Result<ApiRequest> build_request(const Command& command, const Arguments& arguments, const std::string* input) {
     const std::string* const mesh = find_mesh(arguments);
     const std::string* const density = arguments.find("density");
     const bool has_voxels = input == nullptr && density != nullptr && api::is_voxel_file(*density);
@@ -142,24 +140,23 @@ Result<ApiRequest> build_request(const Command& command, const Arguments& argume
     const bool is_binary =
         file != nullptr && command.name == "sample" && (api::recognise_surface(*file) || api::is_voxel_file(*file));
     if (mesh != nullptr || (file != nullptr && command.name != "analyze" && (is_binary || takes_query(arguments)))) {
-        ApiRequest request{*file, {}, std::string(accept)};
+        ApiRequest request{*file, {}};
         if (mesh != nullptr && input != nullptr) request.options.push_back({"points", *input});
         for (const auto& [option, value] : arguments.given) {
-            const bool is_checked = mesh != nullptr && option->member == "format";  // by find_format()
-            if (&value != file && !is_checked) request.options.push_back({option->member, value});
+            if (&value != file) request.options.push_back({option->member, value});
         }
         return request;
     }
     auto body = command.name == "analyze" ? build_analyze_body(arguments, input) : build_sample_body(arguments, input);
-    return std::move(body).map([&](std::string text) { return ApiRequest{std::move(text), {}, std::string(accept)}; });
+    return std::move(body).map([](std::string text) { return ApiRequest{std::move(text), {}}; });
 }
 
 Result<api::ParsedPointer> parse_request(const Command& command, const ApiRequest& request, const api::Limits& limits) {
-    const auto& [body, options, accept] = request;
+    const auto& [body, options] = request;
     if (command.name == "halftone")
-        return api::parse_halftone_request(body, api::HalftoneBody::Picture, options, accept, limits);
-    if (command.name == "sample") return api::parse_sample_request(body, options, accept, limits);
-    return api::parse_analyze_request(body, options, accept, limits);
+        return api::parse_halftone_request(body, api::HalftoneBody::Picture, options, "", limits);
+    if (command.name == "sample") return api::parse_sample_request(body, options, "", limits);
+    return api::parse_analyze_request(body, options, "", limits);
 }
 
 Result<void> read_value_files(Arguments& arguments) {
@@ -194,8 +191,6 @@ Result<const api::FileFormat*> find_format(const Command& command, const Argumen
     const auto formats = formats_of(command, arguments);
     if (const std::string* const name = arguments.find("format")) {
         const auto found = std::ranges::find(formats, *name, &api::FileFormat::name);
-        if (found == formats.end() && find_mesh(arguments) != nullptr)
-            return failure(ErrorCode::Malformed, "format must be 'json' for points on a mesh", "format");
         return found == formats.end() ? formats.front() : *found;  // the parser reports an unknown name
     }
     if (output == kStandardStream || replaceable_path(output).empty()) return formats.front();
