@@ -57,7 +57,7 @@ Json describe(const PixelFormat& format) {
 }
 
 template <class Placed>
-Json describe(const SpaceFormat<Placed>& format) {
+Json describe(const PointFormat3<Placed>& format) {
     Json json = describe(format.file);
     json["needs"] = Json::array();
     if (format.writer(false) == nullptr) json["needs"].push_back("mesh");

@@ -42,7 +42,7 @@ Result<void> append_set(const Input& input, const Limits&, PlaneSets& given) {
     return assign(given.sets.emplace_back(), read_ring(input));
 }
 Result<void> append_set(const Input& input, const Limits& limits, SpaceSets& given) {
-    return assign(given.sets.emplace_back(), read_space_points(input, limits));
+    return assign(given.sets.emplace_back(), read_points3(input, limits));
 }
 
 /// Reads sets of points. The first set determines whether all are in space.

@@ -39,7 +39,7 @@ bool allows_partial(const auto& request) {
 /// Computes the answer to a request for points on a surface or in space.
 Result<Answer> compute(const auto& request, const Limits& /*limits*/, const Decode& decode, const Control& control,
                        Timings& timings, BodySink* sink) {
-    return run_in_space(request, decode, control, timings, sink);
+    return run_sample3(request, decode, control, timings, sink);
 }
 Result<Answer> compute(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
                        const Control& control, Timings& timings, BodySink* sink) {

@@ -271,11 +271,11 @@ private:
 /// Points that are placed on a surface or in space, with their request.
 /// @tparam Request  SurfaceRequest or VolumeRequest
 template <class Request>
-class SpaceSample {
+class Sample3 {
 public:
     /// @param body  a mesh as for MeshInput; for points in space also, without the option `domain=solid`, JSON text or
     ///              the bytes of a file of voxels
-    SpaceSample(py::object body, const OptionList& options, const Running& running)
+    Sample3(py::object body, const OptionList& options, const Running& running)
         : body_(std::move(body)),
           request_(value_or_raise(parsed(text_options(options)))),
           placed_(value_or_raise(placed(running))) {}
@@ -316,7 +316,7 @@ private:
         api::Decode decode = embedded_decode(has_tiff());
         if (mesh_) decode.surface = mesh_->decode().surface;
         return run(running, [&](const Control& control, api::Timings& timings) {
-            return api::place_in_space(request_, decode, control, timings);
+            return api::place_sample3(request_, decode, control, timings);
         });
     }
 
@@ -326,11 +326,11 @@ private:
     Placed placed_;
 };
 
-using SurfaceSample = SpaceSample<api::SurfaceRequest>;
-using VolumeSample = SpaceSample<api::VolumeRequest>;
+using SurfaceSample = Sample3<api::SurfaceRequest>;
+using VolumeSample = Sample3<api::VolumeRequest>;
 
 template <class Sample>
-py::class_<Sample> bind_space_sample(py::module_& module, const char* name) {
+py::class_<Sample> bind_sample3(py::module_& module, const char* name) {
     return py::class_<Sample>(module, name)
         .def(py::init<py::object, const OptionList&, const Running&>(), py::arg("body"), py::arg("options"),
              py::arg("running"))
@@ -440,8 +440,8 @@ PYBIND11_MODULE(_core, module) {
              py::arg("running"))
         .def("write", &Sample::write, py::arg("format"), py::arg("running"));
 
-    bind_space_sample<VolumeSample>(module, "VolumeSample");
-    bind_space_sample<SurfaceSample>(module, "SurfaceSample")
+    bind_sample3<VolumeSample>(module, "VolumeSample");
+    bind_sample3<SurfaceSample>(module, "SurfaceSample")
         .def_property_readonly("has_colors", &SurfaceSample::has_colours)
         .def_property_readonly("has_texture", &SurfaceSample::has_texture);
 

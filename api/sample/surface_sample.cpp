@@ -156,8 +156,8 @@ Result<SurfaceRequest> parse_surface(Result<SurfaceFile> file, const std::vector
     return request;
 }
 
-Result<PlacedSurface> place_in_space(const SurfaceRequest& request, const Decode& decode, const Control& control,
-                                     Timings& timings) {
+Result<PlacedSurface> place_sample3(const SurfaceRequest& request, const Decode& decode, const Control& control,
+                                    Timings& timings) {
     Stopwatch watch;
     auto read = decode.surface(request.file.bytes, request.file.header, control.stop);
     timings.decode = watch.lap();

@@ -205,8 +205,8 @@ Result<VolumeRequest> parse_solid(Result<SurfaceFile> mesh, const std::vector<Te
     return parse(std::move(draft), inputs_of(options), accept, limits);
 }
 
-Result<PlacedVolume> place_in_space(const VolumeRequest& request, const Decode& decode, const Control& control,
-                                    Timings& timings) {
+Result<PlacedVolume> place_sample3(const VolumeRequest& request, const Decode& decode, const Control& control,
+                                   Timings& timings) {
     const auto located = [&](Error error) { return request.located(std::move(error)); };
     PlacedVolume placed{.dots = {}, .domain = request.domain, .quality = request.run.quality, .seed = request.run.seed};
     Stopwatch watch;

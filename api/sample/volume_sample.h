@@ -10,7 +10,7 @@
 #include "api/decode/decode.h"
 #include "api/json/json_document.h"
 #include "api/run/options.h"
-#include "api/sample/space_request.h"
+#include "api/sample/sample_request3.h"
 #include "api/sample/volume_formats.h"
 #include "api/sample/voxel_input.h"
 #include "api/surface/surface_header.h"
@@ -22,7 +22,7 @@
 namespace ccdt::api {
 
 /// Request to /sample for points in space. Without `crease`, the angle is Solid::kCrease.
-struct VolumeRequest : SpaceRequest<VolumeOptions, PlacedVolume> {
+struct VolumeRequest : SampleRequest3<VolumeOptions, PlacedVolume> {
     static std::span<const VolumePointFormat* const> formats() { return volume_formats(); }
 
     BoxDomain3 domain;                 ///< box or torus; not used for a solid
@@ -62,13 +62,13 @@ Result<VolumeRequest> parse_volume(Result<VoxelInput> voxels, const std::vector<
 Result<VolumeRequest> parse_solid(Result<SurfaceFile> mesh, const std::vector<TextOption>& options,
                                   std::string_view accept, const Limits& limits);
 
-/// Creates the domain and the density, and distributes points. run_in_space() also writes them.
+/// Creates the domain and the density, and distributes points. run_sample3() also writes them.
 ///
 /// Errors: those of `decode`; for a TIFF, those of VoxelDensity::create(), and Malformed for the quality stealthy
 /// unless the density is uniform; for a solid, those of Surface::create(), Solid::create() and distribute_in_solid();
 /// Stopped, unless points are already placed and the request accepts a partial result.
-Result<PlacedVolume> place_in_space(const VolumeRequest& request, const Decode& decode, const Control& control,
-                                    Timings& timings);
+Result<PlacedVolume> place_sample3(const VolumeRequest& request, const Decode& decode, const Control& control,
+                                   Timings& timings);
 
 /// Estimates the cost of computing an answer, before voxels or a mesh are read.
 Cost cost_of(const VolumeRequest& request);

@@ -119,8 +119,8 @@ Result<std::string> build_sample_body(const Arguments& arguments, const std::str
 Result<std::string> build_analyze_body(const Arguments& arguments, const std::string* file) {
     if (file == nullptr) return build_object("{", arguments);
     const auto build = [&](const auto& points) { return build_object(R"({"points":)" + list_of(points), arguments); };
-    if (arguments.find("domain") == nullptr ? api::is_space_point_file(*file) : is_in_space(arguments))
-        return api::read_space_point_file(*file, arguments.limits).and_then(build);
+    if (arguments.find("domain") == nullptr ? api::is_point_file3(*file) : is_in_space(arguments))
+        return api::read_point_file3(*file, arguments.limits).and_then(build);
     return api::read_point_file(*file, arguments.limits).and_then(build);
 }
 

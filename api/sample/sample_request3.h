@@ -19,7 +19,7 @@
 #include "api/input/run_options.h"
 #include "api/run/deadline.h"
 #include "api/run/stopwatch.h"
-#include "api/sample/space_format.h"
+#include "api/sample/point_format3.h"
 
 namespace ccdt::api {
 
@@ -44,18 +44,18 @@ inline Result<double> read_crease(const Input& input) {
 
 /// Members that requests for points on surfaces and in space share. A request also has the function formats(), which
 /// returns the formats of its answer.
-/// @tparam Run        options of the distribution
-/// @tparam AnyPlaced  points that are placed
-template <class Run, class AnyPlaced>
-struct SpaceRequest {
-    using Placed = AnyPlaced;
+/// @tparam Run     options of the distribution
+/// @tparam Points  placed points: PlacedSurface or PlacedVolume
+template <class Run, class Points>
+struct SampleRequest3 {
+    using Placed = Points;
 
     Run run;
     std::optional<double> crease;         ///< angle above which an edge of the mesh is a crease, radians
     PointOrder order = PointOrder::None;  ///< not Path
     OnStop on_deadline = OnStop::Error;
-    const SpaceFormat<Placed>* format = nullptr;  ///< never null in a parsed request
-    bool is_json = false;                         ///< whether options are members of a JSON body
+    const PointFormat3<Placed>* format = nullptr;  ///< never null in a parsed request
+    bool is_json = false;                          ///< whether options are members of a JSON body
 
     /// Converts an error about an option, such as `fixed/3`: if the body is JSON, Error::field becomes a JSON Pointer;
     /// otherwise it begins with the name of the option.
@@ -64,7 +64,7 @@ struct SpaceRequest {
 
 /// Adds the rules of the options that requests for points on surfaces and in space share. The first one is that of
 /// `crease`, which only meshes have.
-/// @tparam Request  a type derived from SpaceRequest
+/// @tparam Request  a type derived from SampleRequest3
 template <class Request, std::size_t kOwn>
 constexpr std::array<OptionRule<Request>, kOwn + 7> with_shared_rules(
     const std::array<OptionRule<Request>, kOwn>& own) {
@@ -74,9 +74,8 @@ constexpr std::array<OptionRule<Request>, kOwn + 7> with_shared_rules(
         {"seed", [](const Input& i, const Limits&, Request& r) { return read_seed(i, r.run); }},
         {"on_deadline",
          [](const Input& i, const Limits&, Request& r) { return assign(r.on_deadline, read_on_deadline(i)); }},
-        {"fixed",
-         [](const Input& i, const Limits& l, Request& r) { return assign(r.run.fixed, read_space_points(i, l)); }},
-        {"order", [](const Input& i, const Limits&, Request& r) { return assign(r.order, read_space_order(i)); }},
+        {"fixed", [](const Input& i, const Limits& l, Request& r) { return assign(r.run.fixed, read_points3(i, l)); }},
+        {"order", [](const Input& i, const Limits&, Request& r) { return assign(r.order, read_point_order3(i)); }},
         {"mesh", [](const Input& i, const Limits&, Request& r) { return assign(r.run.keep_mesh, read_boolean(i)); }},
     }};
     std::ranges::copy(own, rules.end() - kOwn);
@@ -104,12 +103,12 @@ Result<void> settle_format(std::string_view accept, Request& request) {
 
 /// Writes placed points in the requested format, or in another one.
 ///
-/// @param placed  result of place_in_space() for `request`
-/// @param sink    as for run_in_space()
+/// @param placed  result of place_sample3() for `request`
+/// @param sink    as for run_sample3()
 /// Errors: those of the format; Malformed if the format needs the triangulation, and the request does not ask for it.
 template <class Run, class Placed>
-Result<Answer> write_answer(const SpaceRequest<Run, Placed>& request, const Placed& placed,
-                            const SpaceFormat<Placed>& format, const Control& control, Timings& timings,
+Result<Answer> write_answer(const SampleRequest3<Run, Placed>& request, const Placed& placed,
+                            const PointFormat3<Placed>& format, const Control& control, Timings& timings,
                             BodySink* sink = nullptr) {
     const auto located = [&](Error error) { return request.located(std::move(error)); };
     Stopwatch watch;
@@ -139,13 +138,13 @@ Result<Answer> write_answer(const SpaceRequest<Run, Placed>& request, const Plac
 /// @param sink     receives the body in pieces if the body is larger than Body::kMaxInMemory; null: the answer contains
 ///                 the whole body
 /// @returns        the answer; without its body if the sink received the body
-/// Errors: those of place_in_space() and of the format; LimitExceeded if the answer is too large for the format;
+/// Errors: those of place_sample3() and of the format; LimitExceeded if the answer is too large for the format;
 /// Stopped, unless points are already placed and the request accepts a partial result. The same request gives the same
 /// bytes, except for `elapsed_ms` in JSON.
 template <class Request>
-Result<Answer> run_in_space(const Request& request, const Decode& decode, const Control& control, Timings& timings,
-                            BodySink* sink = nullptr) {
-    const auto placed = place_in_space(request, decode, control, timings);
+Result<Answer> run_sample3(const Request& request, const Decode& decode, const Control& control, Timings& timings,
+                           BodySink* sink = nullptr) {
+    const auto placed = place_sample3(request, decode, control, timings);
     if (!placed) return tl::unexpected(placed.error());
     return write_answer(request, *placed, *request.format, control, timings, sink);
 }
