@@ -29,7 +29,6 @@
 #include "api/sample/sample_parser.h"
 #include "api/sample/surface_sample.h"
 #include "api/sample/volume_sample.h"
-#include "api/text/byte_order_mark.h"
 #include "api/text/numbers.h"
 
 namespace ccdt::python {
@@ -251,13 +250,9 @@ public:
             if (header_.max_triangles > limits.max_faces) return api::too_many_faces(limits.max_faces);
             return api::SurfaceFile{{}, header_};
         }
-        const std::string_view bytes = api::without_byte_order_mark(py::reinterpret_borrow<py::bytes>(mesh_));
-        const auto format = api::recognise_surface(bytes);
-        if (!format) return failure(ErrorCode::Unsupported, "domain is not the file of a mesh", "domain");
-        return api::read_surface_header(bytes, *format, limits.max_faces, limits.max_pixels)
-            .map([&](const api::SurfaceHeader& header) {
-                return api::SurfaceFile{bytes, header};
-            });
+        const std::string_view bytes = py::reinterpret_borrow<py::bytes>(mesh_);
+        if (auto file = api::open_surface(bytes, {}, limits.max_faces, limits.max_pixels)) return *std::move(file);
+        return failure(ErrorCode::Unsupported, "domain is not the file of a mesh", "domain");
     }
 
     const api::Decode& decode() const { return decode_.surface ? decode_ : file_decode(); }
