@@ -68,10 +68,7 @@ Result<AnySets> read_sets(const Input& input, const Limits& limits) {
 }
 
 Result<void> read_domain(const Input& input, std::optional<std::variant<Rectangle, BoxDomain3>>& domain) {
-    const auto object = std::get<JsonValue>(input.value);
-    const auto type = object.is_object() ? object.find("type") : std::nullopt;
-    const bool is_box = type && type->is_string() && type->text() == "box";
-    if (is_box || (object.is_object() && object.find("depth"))) return assign(domain, read_box(input));
+    if (is_box(std::get<JsonValue>(input.value))) return assign(domain, read_box(input));
     return assign(domain, read_rectangle(input));
 }
 
@@ -123,13 +120,14 @@ Error located(const AnalyzeRequest& request, Error error) {
     return error;
 }
 
-Result<void> check_points(const PlaneSets& given, const AnalysisOptions& options) {
-    return make_domain(given.domain).and_then([&](const Domain& domain) {
-        return check_analysis(given.sets, domain, options);
-    });
+/// Calls compute(sets, domain...) with the arguments of a function of core.
+template <class Compute>
+auto in_domain(const PlaneSets& given, Compute compute) {
+    return make_domain(given.domain).and_then([&](const Domain& domain) { return compute(given.sets, domain); });
 }
-Result<void> check_points(const SpaceSets& given, const AnalysisOptions& options) {
-    return check_analysis(given.sets, given.domain.sides, given.domain.periodic, options);
+template <class Compute>
+auto in_domain(const SpaceSets& given, Compute compute) {
+    return compute(given.sets, given.domain.sides, given.domain.periodic);
 }
 
 Result<void> settle_points(Draft& draft, const Limits& limits) {
@@ -152,7 +150,8 @@ Result<void> settle_points(Draft& draft, const Limits& limits) {
         return failure(ErrorCode::Malformed, "domain must have a depth if and only if points have three coordinates",
                        "/domain");
     if (auto checked = check_count(request, limits); !checked) return checked;
-    return std::visit([&](const auto& given) { return check_points(given, request.options); }, request.points)
+    const auto check = [&](const auto&... given) { return check_analysis(given..., request.options); };
+    return std::visit([&](const auto& given) { return in_domain(given, check); }, request.points)
         .map_error([&](Error error) { return located(request, std::move(error)); });
 }
 
@@ -172,15 +171,6 @@ Result<std::string> render_plot(const AnalyzeRequest& request, const Analysis& a
     return draw_plot(request, analysis).and_then([](const std::string& svg) {
         return render_svg(svg, kPixelsPerUnit);
     });
-}
-
-Result<Analysis> analyse_sets(const PlaneSets& given, const AnalysisOptions& options, const std::stop_token& stop) {
-    return make_domain(given.domain).and_then([&](const Domain& domain) {
-        return analyse(given.sets, domain, options, stop);
-    });
-}
-Result<Analysis> analyse_sets(const SpaceSets& given, const AnalysisOptions& options, const std::stop_token& stop) {
-    return analyse(given.sets, given.domain.sides, given.domain.periodic, options, stop);
 }
 
 constexpr double kPlotBytes = 32 << 20;
@@ -213,8 +203,8 @@ Result<AnalyzeRequest> parse_analyze(std::string_view body, std::string_view acc
 
 Result<Answer> run_analyze(const AnalyzeRequest& request, const Control& control, Timings& timings) {
     Stopwatch watch;
-    auto analysis = std::visit([&](const auto& given) { return analyse_sets(given, request.options, control.stop); },
-                               request.points);
+    const auto compute = [&](const auto&... given) { return analyse(given..., request.options, control.stop); };
+    auto analysis = std::visit([&](const auto& given) { return in_domain(given, compute); }, request.points);
     timings.optimise = watch.lap();
     if (!analysis) return tl::unexpected(located(request, std::move(analysis.error())));
     auto body = request.format->write(request, *analysis);

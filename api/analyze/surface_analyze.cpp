@@ -61,9 +61,7 @@ Result<SurfaceAnalyzeRequest> parse_surface_analyze(Result<SurfaceFile> file, co
                                                     std::string_view accept, const Limits& limits) {
     SurfaceAnalyzeRequest request;
     ErrorList errors;
-    errors.add(read_options<SurfaceAnalyzeRequest>(kRules, inputs_of(options), limits, request));
-    if (std::ranges::find(options, "points", &TextOption::name) == options.end())
-        errors.add(Result<void>(failure(ErrorCode::Malformed, "points is missing", "points")));
+    errors.add(read_options<SurfaceAnalyzeRequest>(kRules, inputs_of(options), "points", limits, request));
     if (errors.result()) errors.add(check_surface_analysis(request.points.size(), request.modes));
     errors.add(file);
     if (std::ranges::find(options, "format", &TextOption::name) == options.end())

@@ -172,6 +172,19 @@ Result<void> read_options(std::span<const OptionRule<Target>> rules, std::span<c
     return errors.result();
 }
 
+/// Reads every input by the rule that has its name. Errors: those of read_options(); Malformed if the input `required`
+/// is missing.
+template <class Target>
+Result<void> read_options(std::span<const OptionRule<Target>> rules, std::span<const Input> inputs,
+                          std::string_view required, const Limits& limits, Target& target) {
+    ErrorList errors;
+    errors.add(read_options(rules, inputs, limits, target));
+    if (std::ranges::find(inputs, required, &Input::name) == inputs.end())
+        errors.add(
+            Result<void>(failure(ErrorCode::Malformed, std::string(required) + " is missing", std::string(required))));
+    return errors.result();
+}
+
 /// Reads the members of a JSON object as options.
 /// @param pointer  JSON Pointer to the object; empty for the whole body
 template <class Target>

@@ -82,17 +82,6 @@ constexpr std::array<OptionRule<Request>, kOwn + 7> with_shared_rules(
     return rules;
 }
 
-/// Reads the options of a request by its rules. Errors: those of read_options(); Malformed if `sites` is missing.
-template <class Request>
-Result<void> read_with_sites(std::span<const OptionRule<Request>> rules, std::span<const Input> inputs,
-                             const Limits& limits, Request& request) {
-    ErrorList errors;
-    errors.add(read_options<Request>(rules, inputs, limits, request));
-    if (std::ranges::find(inputs, "sites", &Input::name) == inputs.end())
-        errors.add(Result<void>(failure(ErrorCode::Malformed, "sites is missing", "sites")));
-    return errors.result();
-}
-
 /// Chooses the format of the answer. Errors: those of negotiate() and check_mesh().
 template <class Request>
 Result<void> settle_format(std::string_view accept, Request& request) {

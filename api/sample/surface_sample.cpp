@@ -38,19 +38,12 @@ Result<void> read_density(const Input& input, SurfaceRequest& request) {
             error.message += ", or a list in JSON with a number for each vertex";
             return error;
         }));
-    const auto document = parse_list(input);
-    if (!document) return tl::unexpected(document.error());
-    std::vector<double> values;
-    for (const JsonValue element : document->root()) {
-        const std::string field = pointer_below(input.field, values.size());
-        const auto value = read_number({field, field, element}, Interval{.min = 0});
-        if (!value) return tl::unexpected(value.error());
-        values.push_back(*value);
-    }
-    if (std::ranges::count(values, 0) == std::ranges::ssize(values))
+    auto values = parse_list(input).and_then([&](const JsonDocument& document) {
+        return read_densities({input.name, input.field, document.root()});
+    });
+    if (values && std::ranges::count(*values, 0) == std::ranges::ssize(*values))
         return failure(ErrorCode::Unusable, input.name + " must have a number above 0", input.field);
-    request.density = std::move(values);
-    return {};
+    return assign(request.density, std::move(values));
 }
 
 /// Checks the option `domain`. Its value `solid` requests points in space, which has another parser.
@@ -148,7 +141,7 @@ Result<SurfaceRequest> parse_surface(Result<SurfaceFile> file, const std::vector
                                      std::string_view accept, const Limits& limits) {
     SurfaceRequest request;
     ErrorList errors;
-    errors.add(read_with_sites<Request>(kRules, inputs_of(options), limits, request));
+    errors.add(read_options<Request>(kRules, inputs_of(options), "sites", limits, request));
     errors.add(file);
     if (auto right = errors.result(); !right) return tl::unexpected(right.error());
     request.file = *std::move(file);

@@ -106,12 +106,10 @@ Result<void> check_quality(const VolumeRequest& request) {
 
 Result<void> check(Draft& draft, std::string_view accept) {
     ErrorList errors;
-    errors.add(settle_domain(draft).and_then([&]() -> Result<void> {
-        ErrorList found;
-        found.add(draft.solid ? check_sites(draft.run) : check_volume(draft.domain, draft.run));
-        found.add(check_quality(draft));
-        return found.result();
-    }));
+    const auto settled = settle_domain(draft);
+    errors.add(settled);
+    if (settled) errors.add(draft.solid ? check_sites(draft.run) : check_volume(draft.domain, draft.run));
+    if (settled) errors.add(check_quality(draft));
     errors.add(settle_format(accept, draft));
     return errors.result();
 }
@@ -121,7 +119,7 @@ Result<void> check(Draft& draft, std::string_view accept) {
 Result<VolumeRequest> parse(Draft draft, std::span<const Input> inputs, std::string_view accept, const Limits& limits) {
     const auto rules = std::span(kRules).subspan(draft.solid ? 0 : 1);
     const auto checked =
-        read_with_sites<Draft>(rules, inputs, limits, draft).and_then([&] { return check(draft, accept); });
+        read_options<Draft>(rules, inputs, "sites", limits, draft).and_then([&] { return check(draft, accept); });
     if (!checked) return tl::unexpected(draft.located(checked.error()));
     return draft;
 }
@@ -162,13 +160,9 @@ std::vector<std::string_view> volume_options() {
 
 bool asks_for_volume(JsonValue root) {
     const auto domain = root.is_object() ? root.find("domain") : std::nullopt;
-    if (!domain) return false;
-    if (domain->is_string()) return true;
-    if (!domain->is_object()) return false;
+    if (!domain || domain->is_string()) return domain.has_value();
     const auto format = root.find("format");
-    if (format && format->is_string() && format->text().starts_with("mask")) return false;
-    const auto type = domain->find("type");
-    return domain->find("depth") || (type && type->is_string() && type->text() == "box");
+    return is_box(*domain) && !(format && format->is_string() && format->text().starts_with("mask"));
 }
 
 bool asks_for_solid(const std::vector<TextOption>& options) {
