@@ -2,18 +2,21 @@
 #include "server/cli/request.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <filesystem>
 #include <utility>
 
 #include "api/analyze/point_file_reader.h"
 #include "api/halftone/device_picture.h"
+#include "api/input/domain_reader.h"
 #include "api/input/negotiation.h"
 #include "api/input/npy_reader.h"
 #include "api/json/json_document.h"
+#include "api/output/json_pieces.h"
 #include "api/sample/voxel_input.h"
 #include "api/surface/surface_header.h"
 #include "api/text/base64.h"
-#include "api/text/numbers.h"
 #include "api/text/text.h"
 #include "core/geometry/axes.h"
 #include "server/cli/files.h"
@@ -71,16 +74,11 @@ Result<std::string> build_object(std::string first, const Arguments& arguments) 
 
 template <class P>
 std::string list_of(const std::vector<P>& points) {
-    std::string text = "[";
-    for (const P& point : points) {
-        text += text.size() > 1 ? ",[" : "[";
-        for (std::size_t axis = 0; axis < kAxes<P>; ++axis) {
-            if (axis > 0) text += ',';
-            api::append_shortest(text, along(point, axis));
-        }
-        text += ']';
-    }
-    return text += ']';
+    std::string text;
+    api::append_array(text, points, [](std::string& out, const P& point) {
+        api::append_numbers(out, std::bit_cast<std::array<double, kAxes<P>>>(point));
+    });
+    return text;
 }
 
 /// Whether an option names the file of the mesh on which points are analysed.
@@ -95,13 +93,12 @@ const std::string* find_mesh(const Arguments& arguments) {
     return found == arguments.given.end() ? nullptr : &found->value;
 }
 
-/// Whether the option `domain` is a domain in space: a word, or an object with a depth.
+/// Whether the option `domain` is a domain in space: a word other than `surface`, or an object that is a box.
 bool is_in_space(const Arguments& arguments) {
     const std::string* const domain = arguments.find("domain");
-    if (domain == nullptr) return false;
-    if (*domain == "box" || *domain == "torus" || *domain == "solid") return true;
+    if (domain == nullptr || !begins_like_json(*domain)) return domain != nullptr && *domain != "surface";
     const auto parsed = api::JsonDocument::parse(*domain);
-    return parsed && parsed->root().is_object() && parsed->root().find("depth");
+    return parsed && api::is_box(parsed->root());
 }
 
 /// Whether the service accepts the options beside this body as query parameters.
@@ -169,12 +166,8 @@ Result<void> read_value_files(Arguments& arguments) {
         if (content && is_mesh && !api::recognise_surface(*content))
             content = failure(ErrorCode::Unsupported, "this is not an STL, OBJ, PLY, OFF, GLB or glTF file");
         if (!content) return failure(content.error().code, file + ": " + content.error().message, option->member);
-        if (is_mesh) {
-            value = *std::move(content);
-            continue;
-        }
         value = *std::move(content);
-        files.push_back(&value);
+        if (!is_mesh) files.push_back(&value);
     }
     // Only now, the domain is known.
     const bool in_space = is_in_space(arguments);
