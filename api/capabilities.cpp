@@ -44,28 +44,18 @@ Json describe(const PointFormat& format) {
     return json;
 }
 
-Json describe(const MaskFormat& format) {
-    return describe(format.file);
-}
-
-Json describe(const DeviceFormat& format) {
-    return describe(format.file);
-}
-
-Json describe(const PixelFormat& format) {
+/// Describes a row of a table of formats without further members for clients.
+template <class Row>
+Json describe(const Row& format) {
     return describe(format.file);
 }
 
 template <class Placed>
-Json describe(const SpaceFormat<Placed>& format) {
+Json describe(const PointFormat3<Placed>& format) {
     Json json = describe(format.file);
     json["needs"] = Json::array();
     if (format.writer(false) == nullptr) json["needs"].push_back("mesh");
     return json;
-}
-
-Json describe(const AnalysisFormat& format) {
-    return describe(format.file);
 }
 
 std::vector<std::string> hexadecimal_of(std::span<const Colour> colours) {

@@ -42,7 +42,7 @@ Result<void> append_set(const Input& input, const Limits&, PlaneSets& given) {
     return assign(given.sets.emplace_back(), read_ring(input));
 }
 Result<void> append_set(const Input& input, const Limits& limits, SpaceSets& given) {
-    return assign(given.sets.emplace_back(), read_space_points(input, limits));
+    return assign(given.sets.emplace_back(), read_points3(input, limits));
 }
 
 /// Reads sets of points. The first set determines whether all are in space.
@@ -68,10 +68,7 @@ Result<AnySets> read_sets(const Input& input, const Limits& limits) {
 }
 
 Result<void> read_domain(const Input& input, std::optional<std::variant<Rectangle, BoxDomain3>>& domain) {
-    const auto object = std::get<JsonValue>(input.value);
-    const auto type = object.is_object() ? object.find("type") : std::nullopt;
-    const bool is_box = type && type->is_string() && type->text() == "box";
-    if (is_box || (object.is_object() && object.find("depth"))) return assign(domain, read_box(input));
+    if (is_box(std::get<JsonValue>(input.value))) return assign(domain, read_box(input));
     return assign(domain, read_rectangle(input));
 }
 
@@ -108,6 +105,31 @@ Result<void> check_count(const AnalyzeRequest& request, const Limits& limits) {
                    request.single ? "/points" : "/sets");
 }
 
+/// Converts the field of an error of core to a JSON Pointer in the request.
+Error located(const AnalyzeRequest& request, Error error) {
+    std::string& field = error.field;
+    if (error.code == ErrorCode::Stopped || field == "/domain") return error;  // the latter is of make_domain()
+    if (!field.empty() && field.front() != '/') {
+        field = pointer_below("", field);
+    } else if (request.single) {
+        const auto point = field.find('/', 1);
+        field.replace(0, std::min(point, field.size()), "/points");
+    } else {
+        field.insert(0, "/sets");
+    }
+    return error;
+}
+
+/// Calls compute(sets, domain...) with the arguments of a function of core.
+template <class Compute>
+auto in_domain(const PlaneSets& given, Compute compute) {
+    return make_domain(given.domain).and_then([&](const Domain& domain) { return compute(given.sets, domain); });
+}
+template <class Compute>
+auto in_domain(const SpaceSets& given, Compute compute) {
+    return compute(given.sets, given.domain.sides, given.domain.periodic);
+}
+
 Result<void> settle_points(Draft& draft, const Limits& limits) {
     if (draft.points.has_value() == draft.sets.has_value()) {
         return failure(ErrorCode::Malformed, "exactly one of points and sets must be given");
@@ -127,16 +149,10 @@ Result<void> settle_points(Draft& draft, const Limits& limits) {
     if (!domain_fits)
         return failure(ErrorCode::Malformed, "domain must have a depth if and only if points have three coordinates",
                        "/domain");
-    return check_count(request, limits);
-}
-
-/// Converts the field of an error of analyse() to a JSON Pointer in the request.
-std::string pointer_to(const AnalyzeRequest& request, std::string_view field) {
-    if (field == "/domain") return std::string(field);  // of make_domain()
-    if (!field.empty() && field.front() != '/') return pointer_below("", field);
-    if (!request.single) return "/sets" + std::string(field);
-    const auto point = field.find('/', 1);
-    return "/points" + std::string(point == std::string_view::npos ? "" : field.substr(point));
+    if (auto checked = check_count(request, limits); !checked) return checked;
+    const auto check = [&](const auto&... given) { return check_analysis(given..., request.options); };
+    return std::visit([&](const auto& given) { return in_domain(given, check); }, request.points)
+        .map_error([&](Error error) { return located(request, std::move(error)); });
 }
 
 Result<std::string> write_figures(const AnalyzeRequest& request, const Analysis& analysis) {
@@ -155,15 +171,6 @@ Result<std::string> render_plot(const AnalyzeRequest& request, const Analysis& a
     return draw_plot(request, analysis).and_then([](const std::string& svg) {
         return render_svg(svg, kPixelsPerUnit);
     });
-}
-
-Result<Analysis> analyse_sets(const PlaneSets& given, const AnalysisOptions& options, const std::stop_token& stop) {
-    return make_domain(given.domain).and_then([&](const Domain& domain) {
-        return analyse(given.sets, domain, options, stop);
-    });
-}
-Result<Analysis> analyse_sets(const SpaceSets& given, const AnalysisOptions& options, const std::stop_token& stop) {
-    return analyse(given.sets, given.domain.sides, given.domain.periodic, options, stop);
 }
 
 constexpr double kPlotBytes = 32 << 20;
@@ -196,14 +203,10 @@ Result<AnalyzeRequest> parse_analyze(std::string_view body, std::string_view acc
 
 Result<Answer> run_analyze(const AnalyzeRequest& request, const Control& control, Timings& timings) {
     Stopwatch watch;
-    auto analysis = std::visit([&](const auto& given) { return analyse_sets(given, request.options, control.stop); },
-                               request.points);
+    const auto compute = [&](const auto&... given) { return analyse(given..., request.options, control.stop); };
+    auto analysis = std::visit([&](const auto& given) { return in_domain(given, compute); }, request.points);
     timings.optimise = watch.lap();
-    if (!analysis) {
-        if (analysis.error().code != ErrorCode::Stopped)
-            analysis.error().field = pointer_to(request, analysis.error().field);
-        return tl::unexpected(analysis.error());
-    }
+    if (!analysis) return tl::unexpected(located(request, std::move(analysis.error())));
     auto body = request.format->write(request, *analysis);
     timings.encode = watch.lap();
     if (!body) return tl::unexpected(body.error());

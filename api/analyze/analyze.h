@@ -61,12 +61,13 @@ struct AnalyzeRequest {
 /// @param accept  the Accept header, empty if there is none; the member `format` takes precedence
 /// Errors: Malformed for invalid JSON, for an unknown or repeated member, for a value of the wrong type or out of
 /// range, and unless exactly one of `points` and `sets` is given; LimitExceeded for more than limits.max_sites points
-/// in total; NotAcceptable if the client accepts none of the formats. Error::field is a JSON Pointer.
+/// in total; NotAcceptable if the client accepts none of the formats; those of make_domain() and check_analysis().
+/// Error::field is a JSON Pointer.
 Result<AnalyzeRequest> parse_analyze(std::string_view body, std::string_view accept, const Limits& limits);
 
 /// Analyses the points, then writes JSON or draws the plot.
 ///
-/// Errors: those of make_domain() and analyse(), with a JSON Pointer as Error::field. The same request gives the same
+/// Errors: Unusable for a spectrum without rings; Stopped; those of drawing a plot. The same request gives the same
 /// bytes.
 Result<Answer> run_analyze(const AnalyzeRequest& request, const Control& control, Timings& timings);
 

@@ -172,7 +172,7 @@ Result<std::vector<Point>> read_list(const Input& input, const Limits& limits, P
     return read_points(input, limits);
 }
 Result<std::vector<Point3>> read_list(const Input& input, const Limits& limits, Point3) {
-    return read_space_points(input, limits);
+    return read_points3(input, limits);
 }
 
 template <class P>
@@ -285,11 +285,11 @@ Result<std::vector<Point>> read_point_file(std::string_view file, const Limits& 
     return read_file<Point>(file, limits);
 }
 
-Result<std::vector<Point3>> read_space_point_file(std::string_view file, const Limits& limits) {
+Result<std::vector<Point3>> read_point_file3(std::string_view file, const Limits& limits) {
     return read_file<Point3>(file, limits);
 }
 
-bool is_space_point_file(std::string_view file) {
+bool is_point_file3(std::string_view file) {
     file = without_byte_order_mark(file);
     if (is_ply(file)) return true;
     if (is_npy(file) || trim(file, " \t\r\n").starts_with('{') || trim(file, " \t\r\n").starts_with('[')) return false;

@@ -26,13 +26,13 @@ namespace ccdt::api {
 /// empty.
 Result<std::vector<Point>> read_point_file(std::string_view file, const Limits& limits);
 
-/// Reads the points in space of a file. The formats and errors are those of read_point_file(), with a third coordinate:
-/// the third column of an array, the column `z`, or the third number of a position. JSON must be a list of positions,
-/// or the member `points` of an object; GeoJSON is not accepted.
-Result<std::vector<Point3>> read_space_point_file(std::string_view file, const Limits& limits);
+/// Reads the points of a file with three coordinates. The formats and errors are those of read_point_file(), with a
+/// third coordinate: the third column of an array, the column `z`, or the third number of a position. JSON must be a
+/// list of positions, or the member `points` of an object; GeoJSON is not accepted.
+Result<std::vector<Point3>> read_point_file3(std::string_view file, const Limits& limits);
 
-/// Whether a file holds points in space by its format: a PLY, or a CSV with the column `z`. An NPY or JSON may hold
-/// either.
-bool is_space_point_file(std::string_view file);
+/// Whether a file holds points with three coordinates by its format: a PLY, or a CSV with the column `z`. An NPY or
+/// JSON may hold either.
+bool is_point_file3(std::string_view file);
 
 }  // namespace ccdt::api

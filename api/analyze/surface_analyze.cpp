@@ -19,21 +19,26 @@
 namespace ccdt::api {
 namespace {
 
+constexpr const FileFormat* kFormats[] = {&kJson};
+
 Result<void> read_points(const Input& input, const Limits& limits, SurfaceAnalyzeRequest& request) {
-    return assign(request.points,
-                  read_text(input)
-                      .and_then([&](std::string_view text) { return read_space_point_file(text, limits); })
-                      .map_error([&](Error error) {
-                          error.message = input.name + ": " + error.message;
-                          error.field = input.field;
-                          return error;
-                      }));
+    return assign(request.points, read_text(input)
+                                      .and_then([&](std::string_view text) { return read_point_file3(text, limits); })
+                                      .map_error([&](Error error) {
+                                          // The message may begin with a JSON Pointer in the file.
+                                          error.message.insert(
+                                              0, input.name + (error.message.starts_with('/') ? "" : ": "));
+                                          error.field = input.field;
+                                          return error;
+                                      }));
 }
 
-constexpr std::array<OptionRule<SurfaceAnalyzeRequest>, 2> kRules = {{
+constexpr std::array<OptionRule<SurfaceAnalyzeRequest>, 3> kRules = {{
     {"points", [](const Input& i, const Limits& l, SurfaceAnalyzeRequest& r) { return read_points(i, l, r); }},
     {"modes", [](const Input& i, const Limits&,
                  SurfaceAnalyzeRequest& r) { return assign(r.modes, read_integer(i, 1, kMaxModes)); }},
+    {"format", [](const Input& i, const Limits&,
+                  SurfaceAnalyzeRequest&) { return read_format(i, kFormats).map([](std::size_t) {}); }},
 }};
 
 std::string write(const SurfaceAnalysis& analysis) {
@@ -54,14 +59,13 @@ std::string write(const SurfaceAnalysis& analysis) {
 
 Result<SurfaceAnalyzeRequest> parse_surface_analyze(Result<SurfaceFile> file, const std::vector<TextOption>& options,
                                                     std::string_view accept, const Limits& limits) {
-    static constexpr const FileFormat* kFormats[] = {&kJson};
     SurfaceAnalyzeRequest request;
     ErrorList errors;
-    errors.add(read_options<SurfaceAnalyzeRequest>(kRules, inputs_of(options), limits, request));
-    if (std::ranges::find(options, "points", &TextOption::name) == options.end())
-        errors.add(Result<void>(failure(ErrorCode::Malformed, "points is missing", "points")));
+    errors.add(read_options<SurfaceAnalyzeRequest>(kRules, inputs_of(options), "points", limits, request));
+    if (errors.result()) errors.add(check_surface_analysis(request.points.size(), request.modes));
     errors.add(file);
-    errors.add(negotiate(accept, kFormats));
+    if (std::ranges::find(options, "format", &TextOption::name) == options.end())
+        errors.add(negotiate(accept, kFormats));
     if (auto right = errors.result(); !right) return tl::unexpected(right.error());
     request.file = *std::move(file);
     return request;

@@ -22,14 +22,14 @@ struct SurfaceAnalyzeRequest {
     std::size_t modes = 100;
 };
 
-/// Reads a request. The option `points` has the content of a file, as read_space_point_file() reads it.
+/// Reads a request. The option `points` has the content of a file, as read_point_file3() reads it.
 ///
 /// @param file     the mesh, or the error of its header
 /// @param options  options in the order of the request
 /// @param accept   the Accept header, empty if there is none
-/// Errors: those of `file` and of read_space_point_file(); Malformed for an unknown or repeated option, and for a value
-/// out of range, or if `points` is missing; NotAcceptable if the client does not accept JSON. Error::field is an
-/// option's name.
+/// Errors: those of `file` and of read_point_file3(); Malformed for an unknown or repeated option, and for a value
+/// out of range, or if `points` is missing; Unusable for fewer than 2 points; NotAcceptable if the client does not
+/// accept JSON. Error::field is an option's name.
 Result<SurfaceAnalyzeRequest> parse_surface_analyze(Result<SurfaceFile> file, const std::vector<TextOption>& options,
                                                     std::string_view accept, const Limits& limits);
 

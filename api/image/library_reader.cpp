@@ -156,13 +156,12 @@ Result<RowSource> open_by_library(std::string_view bytes, const ImageHeader& hea
         if (!file->input->seek_subimage(page, 0)) return broken_image();
         file->spec = file->input->spec();
         file->page = page;
-        const auto size = [](auto width, auto height) {
-            return std::to_string(width) + " x " + std::to_string(height);
-        };
-        const std::string own = size(file->spec.width, file->spec.height), first = size(header.width, header.height);
-        if (own != first)
-            return failure(ErrorCode::Unusable, "page " + std::to_string(page + 1) + " has " + own +
-                                                    " pixels, but the first page has " + first);
+        const auto [width, height] = std::pair(file->spec.width, file->spec.height);
+        if (std::cmp_not_equal(width, header.width) || std::cmp_not_equal(height, header.height))
+            return failure(ErrorCode::Unusable, "page " + std::to_string(page + 1) + " has " + std::to_string(width) +
+                                                    " x " + std::to_string(height) + " pixels, but page 1 has " +
+                                                    std::to_string(header.width) + " x " +
+                                                    std::to_string(header.height));
     }
     if (auto checked = check_spec(file->spec, header); !checked) return tl::unexpected(checked.error());
 

@@ -44,6 +44,12 @@ Result<Rectangle> read_rectangle(const Input& input) {
     });
 }
 
+bool is_box(JsonValue domain) {
+    if (!domain.is_object()) return false;
+    const auto type = domain.find("type");
+    return domain.find("depth") || (type && type->is_string() && type->text() == "box");
+}
+
 Result<BoxDomain3> read_box(const Input& input) {
     return read_domain(input, kRules<kInSpace>).and_then([&](const Members& m) -> Result<BoxDomain3> {
         if (m.periodic && m.sides.x > 0 && m.sides.y > 0 && m.sides.z > 0) return BoxDomain3{m.sides, *m.periodic};

@@ -19,6 +19,9 @@ struct Rectangle {
 /// Errors: Malformed, with a JSON Pointer to the faulty value.
 Result<Rectangle> read_rectangle(const Input& input);
 
+/// Whether a domain is an object that read_box() reads: it is of the type box, or has a depth.
+bool is_box(JsonValue domain);
+
 /// Reads a domain in space: `{"type":"box"|"torus","width":w,"height":h,"depth":d}`. Errors: as read_rectangle().
 Result<BoxDomain3> read_box(const Input& input);
 

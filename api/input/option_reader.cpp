@@ -88,12 +88,19 @@ Result<std::string_view> read_text(const Input& input) {
     return malformed(input, "must be a string");
 }
 
+Result<JsonDocument> parse_json(const Input& input) {
+    return read_text(input).and_then(JsonDocument::parse).map_error([&](Error error) {
+        constexpr std::string_view kSubject = "the body";
+        if (error.message.starts_with(kSubject)) error.message.replace(0, kSubject.size(), input.name);
+        error.field = input.field;
+        return error;
+    });
+}
+
 Result<JsonDocument> parse_list(const Input& input) {
     const auto text = read_text(input);
-    if (!text) return tl::unexpected(text.error());
-    auto document = JsonDocument::parse(*text);
-    if (!document || !document->root().is_array()) return malformed(input, "must be a list in JSON");
-    return document;
+    if (text && trim(*text, " \t\r\n").starts_with('[')) return parse_json(input);
+    return malformed(input, "must be a list in JSON");
 }
 
 Result<std::vector<Input>> read_list(const Input& input, std::size_t most, std::string_view one) {
@@ -171,6 +178,8 @@ Error error_below(Error error, std::string_view pointer) {
 
 std::string excerpt(std::string_view text) {
     std::string result(text.substr(0, kMaxExcerpt));
+    std::ranges::replace_if(
+        result, [](char c) { return static_cast<unsigned char>(c) < ' '; }, ' ');
     if (text.size() > kMaxExcerpt) result += "...";
     return result;
 }

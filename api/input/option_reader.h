@@ -49,6 +49,9 @@ Result<bool> read_boolean(const Input& input);
 /// Reads text, such as a word, a colour or base64. The result refers to memory of the input.
 Result<std::string_view> read_text(const Input& input);
 
+/// Parses text that is JSON. Errors: Malformed.
+Result<JsonDocument> parse_json(const Input& input);
+
 /// Parses text that is a list in JSON. Errors: Malformed.
 Result<JsonDocument> parse_list(const Input& input);
 
@@ -166,6 +169,19 @@ Result<void> read_options(std::span<const OptionRule<Target>> rules, std::span<c
     ErrorList errors;
     for (std::size_t i = 0; i < inputs.size(); ++i)
         errors.add(read_option(rules, inputs.first(i), inputs[i], limits, target));
+    return errors.result();
+}
+
+/// Reads every input by the rule that has its name. Errors: those of read_options(); Malformed if the input `required`
+/// is missing.
+template <class Target>
+Result<void> read_options(std::span<const OptionRule<Target>> rules, std::span<const Input> inputs,
+                          std::string_view required, const Limits& limits, Target& target) {
+    ErrorList errors;
+    errors.add(read_options(rules, inputs, limits, target));
+    if (std::ranges::find(inputs, required, &Input::name) == inputs.end())
+        errors.add(
+            Result<void>(failure(ErrorCode::Malformed, std::string(required) + " is missing", std::string(required))));
     return errors.result();
 }
 

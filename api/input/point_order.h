@@ -16,6 +16,6 @@ enum class PointOrder {
 /// Reads the option `order`. Errors: Malformed.
 Result<PointOrder> read_point_order(const Input& input);
 /// Reads the option `order` of points on a surface or in space, which has no value `path`.
-Result<PointOrder> read_space_order(const Input& input);
+Result<PointOrder> read_point_order3(const Input& input);
 
 }  // namespace ccdt::api

@@ -106,10 +106,10 @@ Result<std::vector<Point>> read_points(const Input& input, const Limits& limits)
     return collector.take();
 }
 
-Result<std::vector<Point3>> read_space_points(const Input& input, const Limits& limits) {
+Result<std::vector<Point3>> read_points3(const Input& input, const Limits& limits) {
     if (std::holds_alternative<std::string_view>(input.value)) {
         return parse_list(input).and_then([&](const JsonDocument& document) {
-            return read_space_points({input.name, input.field, document.root()}, limits);
+            return read_points3({input.name, input.field, document.root()}, limits);
         });
     }
     if (!json_of(input).is_array()) return malformed(input, "must be a list of positions [x, y, z]");

@@ -16,8 +16,8 @@ namespace ccdt::api {
 /// Errors: Malformed, with a JSON Pointer to the faulty value; LimitExceeded for more than limits.max_sites points.
 Result<std::vector<Point>> read_points(const Input& input, const Limits& limits);
 
-/// Reads points in space: a list of positions [x, y, z], which may be text in JSON. Errors: as read_points(), with the
-/// index of the faulty position after the field of the input.
-Result<std::vector<Point3>> read_space_points(const Input& input, const Limits& limits);
+/// Reads points with three coordinates: a list of positions [x, y, z], which may be text in JSON. Errors: as
+/// read_points(), with the index of the faulty position after the field of the input.
+Result<std::vector<Point3>> read_points3(const Input& input, const Limits& limits);
 
 }  // namespace ccdt::api

@@ -17,7 +17,6 @@
 #include "api/sample/threshold_mask.h"
 #include "api/sample/volume_sample.h"
 #include "api/surface/surface_header.h"
-#include "api/text/byte_order_mark.h"
 
 namespace ccdt::api {
 namespace {
@@ -39,7 +38,7 @@ bool allows_partial(const auto& request) {
 /// Computes the answer to a request for points on a surface or in space.
 Result<Answer> compute(const auto& request, const Limits& /*limits*/, const Decode& decode, const Control& control,
                        Timings& timings, BodySink* sink) {
-    return run_in_space(request, decode, control, timings, sink);
+    return run_sample3(request, decode, control, timings, sink);
 }
 Result<Answer> compute(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
                        const Control& control, Timings& timings, BodySink* sink) {
@@ -95,18 +94,6 @@ Result<ParsedPointer> pack(Result<Request> request, const Limits& limits) {
     return std::make_unique<const Parsed<Request>>(*std::move(request), limits);
 }
 
-/// Reads the header of a mesh; returns none for a body that is not a mesh.
-/// @param max_pixels  as for read_surface_header()
-std::optional<Result<SurfaceFile>> find_surface(std::string_view body, std::string_view media_type,
-                                                std::size_t max_faces, std::size_t max_pixels) {
-    const auto format = recognise_surface(body, media_type);
-    if (!format) return std::nullopt;
-    const std::string_view file = without_byte_order_mark(body);
-    return read_surface_header(file, *format, max_faces, max_pixels).map([&](const SurfaceHeader& header) {
-        return SurfaceFile{file, header};
-    });
-}
-
 }  // namespace
 
 Result<ParsedPointer> parse_halftone_request(std::string_view body, HalftoneBody kind,
@@ -122,7 +109,7 @@ Result<ParsedPointer> parse_halftone_request(std::string_view body, HalftoneBody
 Result<ParsedPointer> parse_sample_request(std::string_view body, const std::vector<TextOption>& options,
                                            std::string_view accept, const Limits& limits, std::string_view media_type) {
     if (is_voxel_file(body)) return pack(parse_volume(open_voxels(body, limits), options, accept, limits), limits);
-    if (auto file = find_surface(body, media_type, limits.max_faces, limits.max_pixels)) {
+    if (auto file = open_surface(body, media_type, limits.max_faces, limits.max_pixels)) {
         if (asks_for_solid(options)) return pack(parse_solid(*std::move(file), options, accept, limits), limits);
         return pack(parse_surface(*std::move(file), options, accept, limits), limits);
     }
@@ -137,7 +124,7 @@ Result<ParsedPointer> parse_sample_request(std::string_view body, const std::vec
 Result<ParsedPointer> parse_analyze_request(std::string_view body, const std::vector<TextOption>& options,
                                             std::string_view accept, const Limits& limits,
                                             std::string_view media_type) {
-    if (auto file = find_surface(body, media_type, limits.max_faces, 0))
+    if (auto file = open_surface(body, media_type, limits.max_faces, 0))
         return pack(parse_surface_analyze(*std::move(file), options, accept, limits), limits);
     if (!options.empty())
         return failure(ErrorCode::Malformed, "the body is not a mesh, so the options must be members of its JSON",

@@ -29,7 +29,6 @@
 #include "api/sample/sample_parser.h"
 #include "api/sample/surface_sample.h"
 #include "api/sample/volume_sample.h"
-#include "api/text/byte_order_mark.h"
 #include "api/text/numbers.h"
 
 namespace ccdt::python {
@@ -251,13 +250,9 @@ public:
             if (header_.max_triangles > limits.max_faces) return api::too_many_faces(limits.max_faces);
             return api::SurfaceFile{{}, header_};
         }
-        const std::string_view bytes = api::without_byte_order_mark(py::reinterpret_borrow<py::bytes>(mesh_));
-        const auto format = api::recognise_surface(bytes);
-        if (!format) return failure(ErrorCode::Unsupported, "domain is not the file of a mesh", "domain");
-        return api::read_surface_header(bytes, *format, limits.max_faces, limits.max_pixels)
-            .map([&](const api::SurfaceHeader& header) {
-                return api::SurfaceFile{bytes, header};
-            });
+        const std::string_view bytes = py::reinterpret_borrow<py::bytes>(mesh_);
+        if (auto file = api::open_surface(bytes, {}, limits.max_faces, limits.max_pixels)) return *std::move(file);
+        return failure(ErrorCode::Unsupported, "domain is not the file of a mesh", "domain");
     }
 
     const api::Decode& decode() const { return decode_.surface ? decode_ : file_decode(); }
@@ -271,11 +266,11 @@ private:
 /// Points that are placed on a surface or in space, with their request.
 /// @tparam Request  SurfaceRequest or VolumeRequest
 template <class Request>
-class SpaceSample {
+class Sample3 {
 public:
     /// @param body  a mesh as for MeshInput; for points in space also, without the option `domain=solid`, JSON text or
     ///              the bytes of a file of voxels
-    SpaceSample(py::object body, const OptionList& options, const Running& running)
+    Sample3(py::object body, const OptionList& options, const Running& running)
         : body_(std::move(body)),
           request_(value_or_raise(parsed(text_options(options)))),
           placed_(value_or_raise(placed(running))) {}
@@ -307,8 +302,7 @@ private:
 
     bool has_tiff() const {
         if constexpr (std::is_same_v<Request, api::VolumeRequest>) {
-            const auto* voxels = std::get_if<api::VoxelFile>(&request_.density);
-            return voxels != nullptr && voxels->decoder_bytes > 0;
+            return request_.density.is_tiff();
         }
         return false;
     }
@@ -317,7 +311,7 @@ private:
         api::Decode decode = embedded_decode(has_tiff());
         if (mesh_) decode.surface = mesh_->decode().surface;
         return run(running, [&](const Control& control, api::Timings& timings) {
-            return api::place_in_space(request_, decode, control, timings);
+            return api::place_sample3(request_, decode, control, timings);
         });
     }
 
@@ -327,11 +321,11 @@ private:
     Placed placed_;
 };
 
-using SurfaceSample = SpaceSample<api::SurfaceRequest>;
-using VolumeSample = SpaceSample<api::VolumeRequest>;
+using SurfaceSample = Sample3<api::SurfaceRequest>;
+using VolumeSample = Sample3<api::VolumeRequest>;
 
 template <class Sample>
-py::class_<Sample> bind_space_sample(py::module_& module, const char* name) {
+py::class_<Sample> bind_sample3(py::module_& module, const char* name) {
     return py::class_<Sample>(module, name)
         .def(py::init<py::object, const OptionList&, const Running&>(), py::arg("body"), py::arg("options"),
              py::arg("running"))
@@ -441,8 +435,8 @@ PYBIND11_MODULE(_core, module) {
              py::arg("running"))
         .def("write", &Sample::write, py::arg("format"), py::arg("running"));
 
-    bind_space_sample<VolumeSample>(module, "VolumeSample");
-    bind_space_sample<SurfaceSample>(module, "SurfaceSample")
+    bind_sample3<VolumeSample>(module, "VolumeSample");
+    bind_sample3<SurfaceSample>(module, "SurfaceSample")
         .def_property_readonly("has_colors", &SurfaceSample::has_colours)
         .def_property_readonly("has_texture", &SurfaceSample::has_texture);
 

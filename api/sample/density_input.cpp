@@ -27,21 +27,6 @@ struct DensityDraft {
     std::optional<ImageFile> image;
 };
 
-Result<std::vector<double>> read_values(const Input& input) {
-    const auto list = std::get<JsonValue>(input.value);
-    if (!list.is_array()) return malformed(input, "must be a list of numbers");
-    std::vector<double> values;
-    values.reserve(list.size());
-    for (const JsonValue value : list) {
-        if (!value.is_number() || value.number() < 0) {
-            const std::string pointer = pointer_below(input.field, values.size());
-            return failure(ErrorCode::Malformed, pointer + " must be a number of at least 0", pointer);
-        }
-        values.push_back(value.number());
-    }
-    return values;
-}
-
 /// Checks the number of values.
 /// @param wanted  the number of values that is wanted, in words
 Result<void> check_values(const Input& input, const DensityDraft& draft, std::string_view wanted) {
@@ -98,7 +83,7 @@ constexpr std::array<OptionRule<DensityDraft>, 5> kRules = {{
     {"/density/height",
      [](const Input& i, const Limits&, DensityDraft& d) { return assign(d.height, read_integer(i, 1, kMaxSide)); }},
     {"/density/values",
-     [](const Input& i, const Limits&, DensityDraft& d) { return assign(d.values, read_values(i)); }},
+     [](const Input& i, const Limits&, DensityDraft& d) { return assign(d.values, read_densities(i)); }},
     {"/density/image",
      [](const Input& i, const Limits& l, DensityDraft& d) { return assign(d.image, read_embedded_image(i, l)); }},
 }};
@@ -111,6 +96,21 @@ Result<DensityDraft> read_draft(std::span<const OptionRule<DensityDraft>> rules,
 }
 
 }  // namespace
+
+Result<std::vector<double>> read_densities(const Input& input) {
+    const auto list = std::get<JsonValue>(input.value);
+    if (!list.is_array()) return malformed(input, "must be a list of numbers");
+    std::vector<double> values;
+    values.reserve(list.size());
+    for (const JsonValue value : list) {
+        if (!value.is_number() || value.number() < 0) {
+            const std::string pointer = pointer_below(input.field, values.size());
+            return failure(ErrorCode::Malformed, pointer + " must be a number of at least 0", pointer);
+        }
+        values.push_back(value.number());
+    }
+    return values;
+}
 
 Result<DensityInput> read_density(const Input& input, const Limits& limits) {
     return read_draft(std::span(kRules).subspan(1), input, limits).and_then([&](DensityDraft draft) {

@@ -42,6 +42,9 @@ using DensityInput = std::variant<std::monostate, DensityGrid, DensityImage>;
 /// Direction of y in a domain.
 enum class YAxis { Up, Down };
 
+/// Reads a list of densities in JSON. Errors: Malformed, with a JSON Pointer to the faulty value.
+Result<std::vector<double>> read_densities(const Input& input);
+
 /// Reads the member `density`: `{"width":w,"height":h,"values":[...]}` or `{"image":"<base64>"}`.
 /// Errors: Malformed, with a JSON Pointer to the faulty value; those of read_embedded_image().
 Result<DensityInput> read_density(const Input& input, const Limits& limits);

@@ -24,12 +24,9 @@ namespace {
 
 /// Appends `,"name":[x,y,z]`, with numbers rounded to 32-bit floats.
 void append_triple_member(std::string& out, std::string_view name, const Point3& p) {
-    out.append(",\"").append(name).append("\":[");
-    for (const double ordinate : {p.x, p.y, p.z}) {
-        if (out.back() != '[') out += ',';
-        append_shortest(out, static_cast<float>(ordinate));
-    }
-    out += ']';
+    out.append(",\"").append(name).append("\":");
+    append_array(out, std::array{p.x, p.y, p.z},
+                 [](std::string& to, double ordinate) { append_shortest(to, static_cast<float>(ordinate)); });
 }
 
 /// Bounding box of positions.

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "api/output/body.h"
-#include "api/sample/space_format.h"
+#include "api/sample/point_format3.h"
 #include "core/geometry/point3.h"
 #include "core/result.h"
 #include "core/surface/distribute.h"
@@ -63,7 +63,8 @@ struct PlacedSurface {
 };
 
 // Writers of mesh files. The functions write_*_mesh() write the triangulation of the points,
-// SurfaceDistribution::mesh, which must not be empty. All writers have the parameters and errors of SpaceFormat::Write.
+// SurfaceDistribution::mesh, which must not be empty. All writers have the parameters and errors of
+// PointFormat3::Write.
 
 Result<void> write_ply_mesh(const PlacedSurface& placed, Body& body, const std::stop_token& stop);
 

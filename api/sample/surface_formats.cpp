@@ -9,34 +9,6 @@
 namespace ccdt::api {
 namespace {
 
-/// Writes the lists of colours and texture coordinates if the file has them.
-void write_properties(const PlacedSurface& placed, Body& body, const std::stop_token& stop) {
-    std::string& text = body.text();
-    if (placed.has_colours()) {
-        const auto append_colour = [&](std::string& out, std::size_t i) {
-            append_array(out, placed.colour(i),
-                         [](std::string& to, float light) { append_index(to, to_srgb(static_cast<double>(light))); });
-        };
-        text += ",\"colors\":";
-        write_list(body, placed.size(), append_colour, stop);
-    }
-    if (placed.has_texture()) {
-        const auto append_texture = [&](std::string& out, std::size_t i) {
-            append_array(out, placed.texture(i), [](std::string& to, float ordinate) { append_number(to, ordinate); });
-        };
-        text += ",\"texture\":";
-        write_list(body, placed.size(), append_texture, stop);
-    }
-}
-
-void append_run(std::string& out, const PlacedSurface& placed) {
-    append_member(out, "sites", std::uint64_t{placed.size()});
-    append_member(out, "seed", placed.seed);
-    append_member(out, "iterations", static_cast<std::uint64_t>(placed.dots.iterations));
-    append_member(out, "variation", placed.dots.variation());
-    append_outcome(out, placed);
-}
-
 Result<void> write_json(const PlacedSurface& placed, Body& body, const std::stop_token& stop) {
     const std::size_t size = placed.size();
     const auto write = [&](std::string_view name, auto append_element) {
@@ -47,8 +19,18 @@ Result<void> write_json(const PlacedSurface& placed, Body& body, const std::stop
     write(",\"faces\":", [&](std::string& out, std::size_t i) { append_index(out, placed.face(i)); });
     write(",\"barycentric\":", [&](std::string& out, std::size_t i) { append_numbers(out, placed.weights(i)); });
     write(",\"normals\":", [&](std::string& out, std::size_t i) { append_position(out, placed.normal(i)); });
-    write_properties(placed, body, stop);
-    append_run(body.text(), placed);
+    const auto append_light = [](std::string& out, float light) { append_index(out, to_srgb(double{light})); };
+    const auto append_ordinate = [](std::string& out, float ordinate) { append_number(out, ordinate); };
+    if (placed.has_colours())
+        write(",\"colors\":", [&](auto& out, std::size_t i) { append_array(out, placed.colour(i), append_light); });
+    if (placed.has_texture())
+        write(",\"texture\":",
+              [&](auto& out, std::size_t i) { append_array(out, placed.texture(i), append_ordinate); });
+    append_member(body.text(), "sites", std::uint64_t{placed.size()});
+    append_member(body.text(), "seed", placed.seed);
+    append_member(body.text(), "iterations", static_cast<std::uint64_t>(placed.dots.iterations));
+    append_member(body.text(), "variation", placed.dots.variation());
+    append_outcome(body.text(), placed);
     write_ranks(body, placed.dots.ranks, stop);
     if (const auto& mesh = placed.dots.mesh)
         write_mesh(std::span(mesh->vertices), "triangles", std::span(mesh->triangles), body, stop);
@@ -60,10 +42,9 @@ Result<void> write_json(const PlacedSurface& placed, Body& body, const std::stop
 constexpr Estimate kTextCost{330, 1.5 * kMicrosecond};
 constexpr Estimate kBinaryCost{100, 0.2 * kMicrosecond};
 
-constexpr SurfacePointFormat kJsonPoints{kJson, 24, kTextCost, false, write_json, nullptr};
-constexpr SurfacePointFormat kCsvPoints{kCsv, 20, kTextCost, true, write_csv<PlacedSurface>, nullptr};
-constexpr SurfacePointFormat kNpyPoints{kNpy, 10 * sizeof(double),      kBinaryCost,
-                                        true, write_npy<PlacedSurface>, nullptr};
+constexpr SurfacePointFormat kJsonPoints{kJson, 24, kTextCost, false, write_json};
+constexpr SurfacePointFormat kCsvPoints{kCsv, 20, kTextCost, true, write_csv<PlacedSurface>};
+constexpr SurfacePointFormat kNpyPoints{kNpy, 10 * sizeof(double), kBinaryCost, true, write_npy<PlacedSurface>};
 constexpr SurfacePointFormat kPlyFile{kPly, 24, kBinaryCost, true, write_ply<PlacedSurface>, write_ply_mesh};
 constexpr SurfacePointFormat kGlbFile{
     {"glb", "glTF, binary", "glb", "model/gltf-binary", ""}, 12, kBinaryCost, true, write_glb_points, write_glb_mesh};

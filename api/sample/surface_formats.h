@@ -3,13 +3,13 @@
 
 #include <span>
 
-#include "api/sample/space_format.h"
+#include "api/sample/point_format3.h"
 #include "api/sample/surface_files.h"
 
 namespace ccdt::api {
 
 /// Format of an answer with points on a surface.
-using SurfacePointFormat = SpaceFormat<PlacedSurface>;
+using SurfacePointFormat = PointFormat3<PlacedSurface>;
 
 /// Returns the formats, in the server's order of preference.
 std::span<const SurfacePointFormat* const> surface_formats();

@@ -38,23 +38,18 @@ Result<void> read_density(const Input& input, SurfaceRequest& request) {
             error.message += ", or a list in JSON with a number for each vertex";
             return error;
         }));
-    const auto document = parse_list(input);
-    if (!document) return tl::unexpected(document.error());
-    std::vector<double> values;
-    for (const JsonValue element : document->root()) {
-        const std::string field = pointer_below(input.field, values.size());
-        const auto value = read_number({field, field, element}, Interval{.min = 0});
-        if (!value) return tl::unexpected(value.error());
-        values.push_back(*value);
-    }
-    request.density = std::move(values);
-    return {};
+    auto values = parse_list(input).and_then([&](const JsonDocument& document) {
+        return read_densities({input.name, input.field, document.root()});
+    });
+    if (values && std::ranges::count(*values, 0) == std::ranges::ssize(*values))
+        return failure(ErrorCode::Unusable, input.name + " must have a number above 0", input.field);
+    return assign(request.density, std::move(values));
 }
 
 /// Checks the option `domain`. Its value `solid` requests points in space, which has another parser.
 Result<void> check_domain(const Input& input) {
-    if (const auto text = read_text(input); text && *text == "surface") return {};
-    return malformed(input, "must be surface or solid");
+    static constexpr std::string_view kDomains[] = {"surface", "solid"};
+    return read_word(input, kDomains).map([](std::size_t) {});
 }
 
 using Request = SurfaceRequest;
@@ -146,7 +141,7 @@ Result<SurfaceRequest> parse_surface(Result<SurfaceFile> file, const std::vector
                                      std::string_view accept, const Limits& limits) {
     SurfaceRequest request;
     ErrorList errors;
-    errors.add(read_with_sites<Request>(kRules, inputs_of(options), limits, request));
+    errors.add(read_options<Request>(kRules, inputs_of(options), "sites", limits, request));
     errors.add(file);
     if (auto right = errors.result(); !right) return tl::unexpected(right.error());
     request.file = *std::move(file);
@@ -154,8 +149,8 @@ Result<SurfaceRequest> parse_surface(Result<SurfaceFile> file, const std::vector
     return request;
 }
 
-Result<PlacedSurface> place_in_space(const SurfaceRequest& request, const Decode& decode, const Control& control,
-                                     Timings& timings) {
+Result<PlacedSurface> place_sample3(const SurfaceRequest& request, const Decode& decode, const Control& control,
+                                    Timings& timings) {
     Stopwatch watch;
     auto read = decode.surface(request.file.bytes, request.file.header, control.stop);
     timings.decode = watch.lap();

@@ -9,7 +9,7 @@
 
 #include "api/decode/decode.h"
 #include "api/run/options.h"
-#include "api/sample/space_request.h"
+#include "api/sample/sample_request3.h"
 #include "api/sample/surface_formats.h"
 #include "api/surface/surface_header.h"
 #include "core/ccdt/ccdt.h"
@@ -22,7 +22,7 @@ namespace ccdt::api {
 enum class SurfaceDensityKind { Uniform, Colour, Curvature };
 
 /// Request to /sample for points on the surface of a mesh. Without `crease`, there are no creases.
-struct SurfaceRequest : SpaceRequest<SurfaceOptions, PlacedSurface> {
+struct SurfaceRequest : SampleRequest3<SurfaceOptions, PlacedSurface> {
     static std::span<const SurfacePointFormat* const> formats() { return surface_formats(); }
 
     SurfaceFile file;
@@ -39,19 +39,20 @@ std::vector<std::string_view> surface_options();
 /// @param options  options in the order of the request
 /// @param accept   the Accept header, empty if there is none; the option `format` takes precedence
 /// Errors: those of `file`; Malformed for an unknown or repeated option, for a value out of range, if `sites` is
-/// missing, and for a format of meshes without `mesh`; LimitExceeded for too many sites or fixed points; NotAcceptable
+/// missing, and for a format of meshes without `mesh`; Unusable for a list of densities without a number above 0;
+/// LimitExceeded for too many sites or fixed points; NotAcceptable
 /// if the client accepts none of the formats. Error::field is the name of an option; for a list, the index of the
 /// faulty element follows: `density/3`.
 Result<SurfaceRequest> parse_surface(Result<SurfaceFile> file, const std::vector<TextOption>& options,
                                      std::string_view accept, const Limits& limits);
 
-/// Reads the mesh, makes a surface of its triangles, and distributes points on it. run_in_space() also writes them.
+/// Reads the mesh, makes a surface of its triangles, and distributes points on it. run_sample3() also writes them.
 ///
 /// Errors: those of `decode` and Surface::create(); Unusable if the density is zero everywhere, and if it follows the
 /// colours of a mesh without colours; Malformed if the number of densities is not that of the vertices; Stopped, unless
 /// points are already placed and the request accepts a partial result.
-Result<PlacedSurface> place_in_space(const SurfaceRequest& request, const Decode& decode, const Control& control,
-                                     Timings& timings);
+Result<PlacedSurface> place_sample3(const SurfaceRequest& request, const Decode& decode, const Control& control,
+                                    Timings& timings);
 
 /// Estimates the cost of computing an answer, before the mesh is read.
 Cost cost_of(const SurfaceRequest& request);

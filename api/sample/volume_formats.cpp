@@ -134,19 +134,15 @@ Result<void> write_msh(const PlacedVolume& placed, Body& body, const std::stop_t
 // Costs of writing a point, or a vertex and its share of the tetrahedra.
 constexpr Estimate kTextCost{400, 2 * kMicrosecond}, kBinaryCost{200, 0.3 * kMicrosecond};
 
-constexpr VolumePointFormat kJsonPoints{kJson, 7, kTextCost, false, write_json, nullptr};
-constexpr VolumePointFormat kCsvPoints{kCsv, 7, kTextCost, true, write_csv<PlacedVolume>, nullptr};
-constexpr VolumePointFormat kNpyPoints{kNpy, 3 * sizeof(double), kBinaryCost, true, write_npy<PlacedVolume>, nullptr};
-constexpr VolumePointFormat kPlyPoints{kPly, 3 * sizeof(double), kBinaryCost, true, write_ply<PlacedVolume>, nullptr};
+constexpr VolumePointFormat kJsonPoints{kJson, 7, kTextCost, false, write_json};
+constexpr VolumePointFormat kCsvPoints{kCsv, 7, kTextCost, true, write_csv<PlacedVolume>};
+constexpr VolumePointFormat kNpyPoints{kNpy, sizeof(Point3), kBinaryCost, true, write_npy<PlacedVolume>};
+constexpr VolumePointFormat kPlyPoints{kPly, sizeof(Point3), kBinaryCost, true, write_ply<PlacedVolume>};
 // These two formats have no registered media types.
-constexpr VolumePointFormat kVtuFile{{"vtu", "VTK unstructured grid", "vtu", "application/x-vtu", ""},
-                                     3 * sizeof(double),
-                                     kBinaryCost,
-                                     true,
-                                     write_vtu_points,
-                                     write_vtu_mesh};
-constexpr VolumePointFormat kMshFile{
-    {"msh", "Gmsh mesh", "msh", "application/x-gmsh", ""}, 3 * sizeof(double), kBinaryCost, true, nullptr, write_msh};
+constexpr FileFormat kVtu{"vtu", "VTK unstructured grid", "vtu", "application/x-vtu", ""};
+constexpr FileFormat kMsh{"msh", "Gmsh mesh", "msh", "application/x-gmsh", ""};
+constexpr VolumePointFormat kVtuFile{kVtu, sizeof(Point3), kBinaryCost, true, write_vtu_points, write_vtu_mesh};
+constexpr VolumePointFormat kMshFile{kMsh, sizeof(Point3), kBinaryCost, true, nullptr, write_msh};
 
 constexpr const VolumePointFormat* kFormats[] = {&kJsonPoints, &kCsvPoints, &kNpyPoints,
                                                  &kPlyPoints,  &kVtuFile,   &kMshFile};

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "api/sample/space_format.h"
+#include "api/sample/point_format3.h"
 #include "core/surface/surface_note.h"
 #include "core/volume/box_domain3.h"
 #include "core/volume/distribute_volume.h"
@@ -36,7 +36,7 @@ struct PlacedVolume {
 /// JSON, CSV, NPY and PLY have the points as doubles. VTU is an unstructured grid of VTK (VTK XML, version 1.0) with
 /// raw appended data: a vertex cell for each point, or the tetrahedra. MSH is Gmsh's binary format 4.1, for tetrahedra.
 /// In VTU and MSH, tetrahedra of a torus are unwrapped(). Errors: Unusable if that is not possible ("format").
-using VolumePointFormat = SpaceFormat<PlacedVolume>;
+using VolumePointFormat = PointFormat3<PlacedVolume>;
 
 /// Returns the formats, in the server's order of preference.
 std::span<const VolumePointFormat* const> volume_formats();

@@ -3,11 +3,9 @@
 
 #include <algorithm>
 #include <array>
-#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
-#include <variant>
 
 #include "api/input/domain_reader.h"
 #include "api/input/option_reader.h"
@@ -36,12 +34,16 @@ Result<void> read_domain(const Input& input, Draft& draft) {
     static constexpr Choice<DomainWord> kWords[] = {
         {"box", DomainWord::Box}, {"torus", DomainWord::Torus}, {"solid", DomainWord::Solid}};
     const auto text = read_text(input);
-    if (text && !trim(*text).starts_with('{')) return assign(draft.word, read_choice<DomainWord>(input, kWords));
+    if (text && !trim(*text).starts_with('{'))
+        return assign(draft.word, read_choice<DomainWord>(input, kWords).map_error([](Error error) {
+            error.message += ", or an object in JSON";
+            return error;
+        }));
     draft.is_object = true;
     if (!text) return assign(draft.domain, read_box(input));
-    const auto document = JsonDocument::parse(*text);
-    if (!document) return malformed(input, "must be valid JSON: " + document.error().message);
-    return assign(draft.domain, read_box({"/domain", "/domain", document->root()}));
+    return assign(draft.domain, parse_json(input).and_then([](const JsonDocument& document) {
+        return read_box({"/domain", "/domain", document.root()});
+    }));
 }
 
 template <double Point3::*kSide>
@@ -74,9 +76,8 @@ Result<void> settle_domain(Draft& draft) {
         return wrong("domain", "must be the word box or torus if width, height or depth is an option");
     if (!draft.solid && draft.word == DomainWord::Solid) return wrong("domain", "solid needs a mesh as the body");
     if (draft.is_object || draft.solid) return {};
-    const auto voxels = voxels_of(draft.density);
     const auto side_or = [&](double given, std::size_t axis) {
-        return given > 0 || !voxels ? given : static_cast<double>((*voxels)[axis]);
+        return given > 0 ? given : static_cast<double>(draft.density.voxels[axis]);
     };
     draft.domain = {{side_or(width, 0), side_or(height, 1), side_or(depth, 2)}, draft.word == DomainWord::Torus};
     const Point3& sides = draft.domain.sides;
@@ -85,13 +86,17 @@ Result<void> settle_domain(Draft& draft) {
                  std::string(draft.domain.periodic ? "torus" : "box") + " needs the options width, height and depth");
 }
 
+/// Checks that the quality is available for a density that may not be uniform.
+Result<void> check_density(const VolumeRequest& request, bool is_uniform) {
+    if (is_uniform || request.run.quality != Quality::Stealthy) return {};
+    return wrong("quality", "stealthy needs a uniform density");
+}
+
 Result<void> check_quality(const VolumeRequest& request) {
     if (request.run.quality != Quality::Stealthy) return {};
     if (request.solid || !request.domain.periodic) return wrong("quality", "stealthy needs a domain of the type torus");
     if (!request.run.fixed.empty()) return wrong("quality", "stealthy allows no fixed points");
-    const auto* grid = std::get_if<VoxelGrid>(&request.density);
-    if (grid != nullptr && std::ranges::adjacent_find(grid->values, std::ranges::not_equal_to()) != grid->values.end())
-        return wrong("quality", "stealthy needs a uniform density");
+    if (auto even = check_density(request, request.density.is_uniform.value_or(true)); !even) return even;
     constexpr double kFewest = 16;  // sites in a cube; with fewer, power above -100 dB may remain
     const auto& [x, y, z] = request.domain.sides;
     const double side = std::min({x, y, z});
@@ -101,7 +106,10 @@ Result<void> check_quality(const VolumeRequest& request) {
 
 Result<void> check(Draft& draft, std::string_view accept) {
     ErrorList errors;
-    errors.add(settle_domain(draft).and_then([&] { return check_quality(draft); }));
+    const auto settled = settle_domain(draft);
+    errors.add(settled);
+    if (settled) errors.add(draft.solid ? check_sites(draft.run) : check_volume(draft.domain, draft.run));
+    if (settled) errors.add(check_quality(draft));
     errors.add(settle_format(accept, draft));
     return errors.result();
 }
@@ -111,7 +119,7 @@ Result<void> check(Draft& draft, std::string_view accept) {
 Result<VolumeRequest> parse(Draft draft, std::span<const Input> inputs, std::string_view accept, const Limits& limits) {
     const auto rules = std::span(kRules).subspan(draft.solid ? 0 : 1);
     const auto checked =
-        read_with_sites<Draft>(rules, inputs, limits, draft).and_then([&] { return check(draft, accept); });
+        read_options<Draft>(rules, inputs, "sites", limits, draft).and_then([&] { return check(draft, accept); });
     if (!checked) return tl::unexpected(draft.located(checked.error()));
     return draft;
 }
@@ -152,13 +160,9 @@ std::vector<std::string_view> volume_options() {
 
 bool asks_for_volume(JsonValue root) {
     const auto domain = root.is_object() ? root.find("domain") : std::nullopt;
-    if (!domain) return false;
-    if (domain->is_string()) return domain->text() == "box" || domain->text() == "torus";
-    if (!domain->is_object()) return false;
+    if (!domain || domain->is_string()) return domain.has_value();
     const auto format = root.find("format");
-    if (format && format->is_string() && format->text().starts_with("mask")) return false;
-    const auto type = domain->find("type");
-    return domain->find("depth") || (type && type->is_string() && type->text() == "box");
+    return is_box(*domain) && !(format && format->is_string() && format->text().starts_with("mask"));
 }
 
 bool asks_for_solid(const std::vector<TextOption>& options) {
@@ -177,7 +181,7 @@ Result<VolumeRequest> parse_volume(JsonValue root, const std::vector<TextOption>
     return parse(std::move(draft), *inputs, accept, limits);
 }
 
-Result<VolumeRequest> parse_volume(Result<VoxelFile> voxels, const std::vector<TextOption>& options,
+Result<VolumeRequest> parse_volume(Result<VoxelInput> voxels, const std::vector<TextOption>& options,
                                    std::string_view accept, const Limits& limits) {
     if (!voxels) return tl::unexpected(voxels.error());
     if (std::ranges::find(options, "density", &TextOption::name) != options.end())
@@ -195,15 +199,15 @@ Result<VolumeRequest> parse_solid(Result<SurfaceFile> mesh, const std::vector<Te
     return parse(std::move(draft), inputs_of(options), accept, limits);
 }
 
-Result<PlacedVolume> place_in_space(const VolumeRequest& request, const Decode& decode, const Control& control,
-                                    Timings& timings) {
+Result<PlacedVolume> place_sample3(const VolumeRequest& request, const Decode& decode, const Control& control,
+                                   Timings& timings) {
     const auto located = [&](Error error) { return request.located(std::move(error)); };
     PlacedVolume placed{.dots = {}, .domain = request.domain, .quality = request.run.quality, .seed = request.run.seed};
     Stopwatch watch;
     const auto density = make_density(request.density, decode, control.stop).map_error(located);
     if (!density) return tl::unexpected(density.error());
-    if (request.run.quality == Quality::Stealthy && !density->is_uniform())
-        return tl::unexpected(located({ErrorCode::Malformed, "quality stealthy needs a uniform density", "quality"}));
+    if (auto even = check_density(request, density->is_uniform()).map_error(located); !even)
+        return tl::unexpected(even.error());
     std::optional<Solid> solid;
     if (request.solid) {
         auto made = make_solid(request, decode, control.stop, placed);
@@ -237,7 +241,7 @@ Cost cost_of(const VolumeRequest& request) {
     Estimate site = kOfQuality[static_cast<std::size_t>(run.quality)];
     if (request.solid) {
         site = site + kSolid;
-    } else if (!std::holds_alternative<std::monostate>(request.density)) {
+    } else if (!request.density.is_uniform.value_or(false)) {
         site = site + kUneven;
     }
     if (run.keep_mesh) site = site + kMesh;

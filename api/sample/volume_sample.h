@@ -10,7 +10,7 @@
 #include "api/decode/decode.h"
 #include "api/json/json_document.h"
 #include "api/run/options.h"
-#include "api/sample/space_request.h"
+#include "api/sample/sample_request3.h"
 #include "api/sample/volume_formats.h"
 #include "api/sample/voxel_input.h"
 #include "api/surface/surface_header.h"
@@ -22,7 +22,7 @@
 namespace ccdt::api {
 
 /// Request to /sample for points in space. Without `crease`, the angle is Solid::kCrease.
-struct VolumeRequest : SpaceRequest<VolumeOptions, PlacedVolume> {
+struct VolumeRequest : SampleRequest3<VolumeOptions, PlacedVolume> {
     static std::span<const VolumePointFormat* const> formats() { return volume_formats(); }
 
     BoxDomain3 domain;                 ///< box or torus; not used for a solid
@@ -33,8 +33,8 @@ struct VolumeRequest : SpaceRequest<VolumeOptions, PlacedVolume> {
 /// Returns the names of the options.
 std::vector<std::string_view> volume_options();
 
-/// Whether a JSON body requests points in space: its domain is a box, has a depth, or is the word box or torus. A mask
-/// with a depth does not.
+/// Whether a JSON body requests points in space: its domain is a box, has a depth, or is a word. A mask with a depth
+/// does not.
 bool asks_for_volume(JsonValue root);
 
 /// Whether options beside a mesh request points inside it instead of points on its surface.
@@ -45,16 +45,16 @@ bool asks_for_solid(const std::vector<TextOption>& options);
 /// @param options  must be empty
 /// @param accept   the Accept header, empty if there is none; the option `format` takes precedence
 /// Errors: Malformed for an unknown or repeated option, for a value of the wrong type or out of range, for missing
-/// options, for a format of meshes without `mesh`, and for the quality stealthy unless the domain is a torus without
-/// fixed points; those of open_voxels(); LimitExceeded for too many sites or fixed points;
-/// NotAcceptable if the client accepts none of the formats. Error::field is a JSON Pointer.
+/// options, for a format of meshes without `mesh`, and for the quality stealthy unless the domain is a torus of uniform
+/// density without fixed points; those of read_voxels() and check_volume(); LimitExceeded for too many sites or fixed
+/// points; NotAcceptable if the client accepts none of the formats. Error::field is a JSON Pointer.
 Result<VolumeRequest> parse_volume(JsonValue root, const std::vector<TextOption>& options, std::string_view accept,
                                    const Limits& limits);
 
 /// Reads a request whose options are given as text.
 /// @param voxels   the density; without `width`, `height` or `depth`, a voxel is one unit long
 /// Errors: as above; Error::field begins with the name of an option.
-Result<VolumeRequest> parse_volume(Result<VoxelFile> voxels, const std::vector<TextOption>& options,
+Result<VolumeRequest> parse_volume(Result<VoxelInput> voxels, const std::vector<TextOption>& options,
                                    std::string_view accept, const Limits& limits);
 
 /// Reads a request for points inside a mesh.
@@ -62,13 +62,13 @@ Result<VolumeRequest> parse_volume(Result<VoxelFile> voxels, const std::vector<T
 Result<VolumeRequest> parse_solid(Result<SurfaceFile> mesh, const std::vector<TextOption>& options,
                                   std::string_view accept, const Limits& limits);
 
-/// Creates the domain and the density, and distributes points. run_in_space() also writes them.
+/// Creates the domain and the density, and distributes points. run_sample3() also writes them.
 ///
-/// Errors: those of `decode`, VoxelDensity::create() and distribute_in_volume(); for a solid, those of
-/// Surface::create(), Solid::create() and distribute_in_solid(); Malformed for the quality stealthy unless the density
-/// is uniform; Stopped, unless points are already placed and the request accepts a partial result.
-Result<PlacedVolume> place_in_space(const VolumeRequest& request, const Decode& decode, const Control& control,
-                                    Timings& timings);
+/// Errors: those of `decode`; for a TIFF, those of VoxelDensity::create(), and Malformed for the quality stealthy
+/// unless the density is uniform; for a solid, those of Surface::create(), Solid::create() and distribute_in_solid();
+/// Stopped, unless points are already placed and the request accepts a partial result.
+Result<PlacedVolume> place_sample3(const VolumeRequest& request, const Decode& decode, const Control& control,
+                                   Timings& timings);
 
 /// Estimates the cost of computing an answer, before voxels or a mesh are read.
 Cost cost_of(const VolumeRequest& request);

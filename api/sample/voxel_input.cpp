@@ -18,27 +18,23 @@ namespace ccdt::api {
 namespace {
 
 template <class Element>
-std::vector<double> values_of(std::string_view data) {
-    std::vector<double> values(data.size() / sizeof(Element));
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        Element element;
-        std::memcpy(&element, data.data() + i * sizeof(Element), sizeof(Element));
-        values[i] = static_cast<double>(element);
-    }
-    return values;
+double value_at(std::string_view data, std::size_t i) {
+    Element element;
+    std::memcpy(&element, data.data() + i * sizeof(Element), sizeof(Element));
+    return static_cast<double>(element);
 }
 
-/// A type of elements in NumPy's notation, and the function that converts them.
+/// A type of elements in NumPy's notation, and the function that reads them.
 struct ElementType {
     std::string_view name;
-    std::vector<double> (*values_of)(std::string_view data);
+    double (*value_at)(std::string_view data, std::size_t i);
 };
 
 constexpr ElementType kTypes[] = {
-    {"|b1", values_of<std::uint8_t>},  {"|u1", values_of<std::uint8_t>},  {"|i1", values_of<std::int8_t>},
-    {"<u2", values_of<std::uint16_t>}, {"<i2", values_of<std::int16_t>},  {"<u4", values_of<std::uint32_t>},
-    {"<i4", values_of<std::int32_t>},  {"<u8", values_of<std::uint64_t>}, {"<i8", values_of<std::int64_t>},
-    {"<f4", values_of<float>},         {"<f8", values_of<double>},
+    {"|b1", value_at<std::uint8_t>},  {"|u1", value_at<std::uint8_t>},  {"|i1", value_at<std::int8_t>},
+    {"<u2", value_at<std::uint16_t>}, {"<i2", value_at<std::int16_t>},  {"<u4", value_at<std::uint32_t>},
+    {"<i4", value_at<std::int32_t>},  {"<u8", value_at<std::uint64_t>}, {"<i8", value_at<std::int64_t>},
+    {"<f4", value_at<float>},         {"<f8", value_at<double>},
 };
 
 const ElementType* find_type(std::string_view name) {
@@ -46,7 +42,7 @@ const ElementType* find_type(std::string_view name) {
     return found == std::end(kTypes) ? nullptr : found;
 }
 
-Result<VoxelFile> open_npy(std::string_view bytes) {
+Result<VoxelInput> open_npy(std::string_view bytes) {
     const auto array = read_npy(bytes);
     if (!array) return tl::unexpected(array.error());
     const auto& shape = array->shape;
@@ -61,23 +57,41 @@ Result<VoxelFile> open_npy(std::string_view bytes) {
         return failure(ErrorCode::Malformed,
                        "the NPY file must have little-endian integers or floats of 1 to 8 bytes, not the type '" +
                            excerpt(array->type) + "'");
-    return VoxelFile{bytes, {shape[2], shape[1], shape[0]}};
+    return VoxelInput{{{shape[2], shape[1], shape[0]}, {}}, bytes};
 }
 
-Result<VoxelFile> open_tiff(std::string_view bytes, const Limits& limits) {
+Result<VoxelInput> open_tiff(std::string_view bytes, const Limits& limits) {
     return read_image_header(bytes, limits.max_pixels).map([&](const ImageHeader& header) {
-        return VoxelFile{bytes, {header.width, header.height, header.frames}, header.decoder_bytes};
+        return VoxelInput{
+            {{header.width, header.height, header.frames}, {}}, bytes, header.decoder_bytes, std::nullopt};
     });
 }
 
-Result<std::vector<double>> read_values(const VoxelFile& file, const Decode& decode, const std::stop_token& stop) {
-    if (is_npy(file.bytes))
-        return read_npy(file.bytes).map([](const NpyArray& array) {
-            return find_type(array.type)->values_of(array.data);
-        });
-    Reading reading(static_cast<std::size_t>(file.count()));
+/// Returns the function that returns the value of a voxel in a NumPy array of a valid type.
+auto reader_of(const NpyArray& array) {
+    return [data = array.data, read = find_type(array.type)->value_at](std::size_t i) { return read(data, i); };
+}
+
+/// Checks the values of voxels, unless they are in a TIFF.
+Result<VoxelInput> checked(VoxelInput input) {
+    if (input.is_tiff()) return input;
+    auto even = input.file.empty() ? VoxelDensity::check(input.voxels, [&](std::size_t i) { return input.values[i]; })
+                                   : VoxelDensity::check(input.voxels, reader_of(*read_npy(input.file)));
+    if (!even) return tl::unexpected(std::move(even.error()));
+    input.is_uniform = *even;
+    return input;
+}
+
+Result<std::vector<double>> read_values(const VoxelInput& input, const Decode& decode, const std::stop_token& stop) {
+    if (!input.is_tiff()) {
+        std::vector<double> values(static_cast<std::size_t>(input.count()));
+        const auto read = reader_of(*read_npy(input.file));
+        for (std::size_t i = 0; i < values.size(); ++i) values[i] = read(i);
+        return values;
+    }
+    Reading reading(static_cast<std::size_t>(input.count()));
     reading.is_stack = true;
-    return decode.grey(file.bytes, reading, stop).map([](const Picture& stack) {
+    return decode.grey(input.file, reading, stop).map([](const Picture& stack) {
         return std::vector<double>(stack.luminance.begin(), stack.luminance.end());
     });
 }
@@ -89,68 +103,57 @@ bool is_voxel_file(std::string_view bytes) {
     return is_npy(bytes) || (format && *format == ImageFormat::Tiff);
 }
 
-Result<VoxelFile> open_voxels(std::string_view bytes, const Limits& limits) {
-    auto file = is_npy(bytes) ? open_npy(bytes) : open_tiff(bytes, limits);
-    if (file && file->count() > static_cast<double>(limits.max_pixels))
+Result<VoxelInput> open_voxels(std::string_view bytes, const Limits& limits) {
+    auto input = is_npy(bytes) ? open_npy(bytes) : open_tiff(bytes, limits);
+    if (input && input->count() > static_cast<double>(limits.max_pixels))
         return failure(ErrorCode::LimitExceeded,
-                       "there are " + std::to_string(static_cast<std::uint64_t>(file->count())) +
+                       "there are " + std::to_string(static_cast<std::uint64_t>(input->count())) +
                            " voxels; this server's limit (max-pixels) is " + std::to_string(limits.max_pixels));
-    return file;
+    return std::move(input).and_then(checked);
 }
 
 Result<VoxelInput> read_voxels(const Input& input, const Limits& limits) {
     const auto* text = std::get_if<std::string_view>(&input.value);
     if (text == nullptr)
-        return read_grid(input, limits).map([](VoxelGrid grid) { return VoxelInput(std::move(grid)); });
-    if (trim(*text).starts_with('{')) {
-        const auto document = JsonDocument::parse(*text);
-        if (!document) return malformed(input, "must be valid JSON: " + document.error().message);
-        return read_voxels({"/density", "/density", document->root()}, limits);
-    }
+        return read_grid(input, limits).and_then([](VoxelGrid grid) { return checked({std::move(grid)}); });
+    if (trim(*text).starts_with('{'))
+        return parse_json(input).and_then([&](const JsonDocument& document) {
+            return read_voxels({"/density", "/density", document.root()}, limits);
+        });
     if (!is_voxel_file(*text)) return malformed(input, "must be an NPY file, a TIFF, or an object in JSON");
     const auto owned = std::make_shared<const std::string>(*text);
-    auto file = open_voxels(*owned, limits);
-    if (!file) return failure(file.error().code, file.error().message, input.field);
-    file->owned = owned;
-    return *std::move(file);
+    auto voxels = open_voxels(*owned, limits);
+    if (voxels) {
+        voxels->owned = owned;
+    } else if (voxels.error().field.empty()) {
+        voxels.error().field = input.field;
+    }
+    return voxels;
 }
 
 Result<VoxelDensity> make_density(const VoxelInput& input, const Decode& decode, const std::stop_token& stop) {
-    if (const auto* file = std::get_if<VoxelFile>(&input)) {
-        const auto values = read_values(*file, decode, stop);
-        if (!values) return failure(values.error().code, values.error().message, "density");
-        return VoxelDensity::create(file->voxels, *values);
-    }
-    const auto* grid = std::get_if<VoxelGrid>(&input);
-    if (grid == nullptr) return VoxelDensity::uniform();
-    return VoxelDensity::create(grid->voxels, grid->values);
-}
-
-std::optional<std::array<std::size_t, 3>> voxels_of(const VoxelInput& input) {
-    if (const auto* grid = std::get_if<VoxelGrid>(&input)) return grid->voxels;
-    if (const auto* file = std::get_if<VoxelFile>(&input)) return file->voxels;
-    return std::nullopt;
+    if (input.is_uniform.value_or(false)) return VoxelDensity::uniform();
+    if (input.file.empty()) return VoxelDensity::create(input.voxels, input.values);
+    const auto values = read_values(input, decode, stop);
+    if (!values) return failure(values.error().code, values.error().message, "density");
+    return VoxelDensity::create(input.voxels, *values);
 }
 
 Estimate voxel_cost(const VoxelInput& input) {
-    const auto voxels = voxels_of(input);
-    if (!voxels) return {};
-    const auto [x, y, z] = *voxels;
-    const double count = static_cast<double>(x) * static_cast<double>(y) * static_cast<double>(z);
+    if (input.is_uniform.value_or(false)) return {};
+    const auto [x, y, z] = input.voxels;
+    const double count = input.count();
     const double corners = (static_cast<double>(x) + 1) * (static_cast<double>(y) + 1) * (static_cast<double>(z) + 1);
     // A double and a bit for each voxel, and a double for the sum of masses up to each corner. A TIFF needs a float,
     // too.
     constexpr Estimate kVoxel{9, 0.03 * kMicrosecond}, kCorner{8, 0}, kOfTiff{4, 0.03 * kMicrosecond};
     const Estimate read = kVoxel * count + kCorner * corners;
-    const auto* file = std::get_if<VoxelFile>(&input);
-    if (file == nullptr || file->decoder_bytes == 0) return read;
-    return read + kOfTiff * count + Estimate{static_cast<double>(file->decoder_bytes + file->bytes.size()), 0};
+    if (!input.is_tiff()) return read;
+    return read + kOfTiff * count + Estimate{static_cast<double>(input.decoder_bytes + input.file.size()), 0};
 }
 
 std::size_t bytes_of(const VoxelInput& input) {
-    if (const auto* grid = std::get_if<VoxelGrid>(&input)) return grid->values.size() * sizeof(double);
-    const auto* file = std::get_if<VoxelFile>(&input);
-    return file != nullptr && file->owned ? file->owned->size() : 0;
+    return input.values.size() * sizeof(double) + (input.owned ? input.owned->size() : 0);
 }
 
 }  // namespace ccdt::api

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <memory>
 #include <optional>
 #include <stop_token>
 #include <string>
 #include <string_view>
-#include <variant>
 
 #include "api/decode/decode.h"
 #include "api/input/option_reader.h"
@@ -20,36 +18,34 @@
 
 namespace ccdt::api {
 
-/// A file with the densities of voxels: a NumPy array (depth, height, width), or a TIFF with a page for each layer,
+/// Density of a request for points in space: voxels or, without any, uniform.
+///
+/// Voxels are values in JSON or a file: a NumPy array (depth, height, width), or a TIFF with a page for each layer,
 /// from the smallest z. The first row of a layer is at the smallest y. The values are the densities.
-struct VoxelFile {
-    std::string_view bytes;  ///< the file; lies in `owned` or in the caller's memory, which must outlive this object
-    std::array<std::size_t, 3> voxels{};  ///< number along x, y and z
-    std::size_t decoder_bytes = 0;        ///< memory of the reader of a TIFF; 0 for a NumPy array
+struct VoxelInput : VoxelGrid {
+    std::string_view file = {};     ///< lies in `owned` or in the caller's memory; empty: `values` has the densities
+    std::size_t decoder_bytes = 0;  ///< memory of the reader of a TIFF; 0 for a NumPy array
+    std::optional<bool> is_uniform = true;  ///< whether all densities are equal; none: unknown until a TIFF is read
     std::shared_ptr<const std::string> owned = {};
 
+    bool is_tiff() const { return !is_uniform.has_value(); }
     double count() const {
         return static_cast<double>(voxels[0]) * static_cast<double>(voxels[1]) * static_cast<double>(voxels[2]);
     }
 };
 
-/// Density of a request for points in space. None: uniform.
-using VoxelInput = std::variant<std::monostate, VoxelGrid, VoxelFile>;
-
-/// Whether a file may be a VoxelFile, by its first bytes.
+/// Whether a file may have voxels, by its first bytes.
 bool is_voxel_file(std::string_view bytes);
 
-/// Reads the header of a file of voxels.
-/// Errors: those of read_npy() and read_image_header(); Malformed for an array without three axes, or of a type that is
-/// not supported; LimitExceeded for more than limits.max_pixels voxels. Error::field is empty.
-Result<VoxelFile> open_voxels(std::string_view bytes, const Limits& limits);
+/// Reads the header of a file of voxels, and checks the values of a NumPy array.
+/// Errors: those of read_npy() and read_image_header(), Malformed for an array without three axes, or of a type that is
+/// not supported, and LimitExceeded for more than limits.max_pixels voxels, with an empty Error::field; those of
+/// VoxelDensity::check().
+Result<VoxelInput> open_voxels(std::string_view bytes, const Limits& limits);
 
 /// Reads the option `density`: `{"width":w,"height":h,"depth":d,"values":[...]}`, or the text of a file of voxels.
-/// Errors: Malformed, with a JSON Pointer to the faulty value; those of open_voxels().
+/// Errors: Malformed, with a JSON Pointer to the faulty value; those of open_voxels() and VoxelDensity::check().
 Result<VoxelInput> read_voxels(const Input& input, const Limits& limits);
-
-/// Returns the numbers of voxels along x, y and z; none if the density is uniform.
-std::optional<std::array<std::size_t, 3>> voxels_of(const VoxelInput& input);
 
 /// Creates the density of a request. Errors: those of `decode` and of VoxelDensity::create().
 Result<VoxelDensity> make_density(const VoxelInput& input, const Decode& decode, const std::stop_token& stop);

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "api/surface/surface_errors.h"
+#include "api/surface/surface_format.h"
 #include "api/text/text.h"
 
 namespace ccdt::api {
@@ -77,7 +77,7 @@ bool is_off(std::string_view text) {
 Result<std::string> ply_of_off(std::string_view text) {
     const auto header = read_header(text);
     if (!header || !parse_number<std::uint32_t>(header->vertices) || !parse_number<std::uint32_t>(header->faces))
-        return unusable_surface("OFF", "it does not begin with OFF and the numbers of vertices and faces");
+        return unusable_surface(SurfaceFormat::Off, "it does not begin with OFF and the numbers of vertices and faces");
     std::string ply = "ply\nformat ascii 1.0\nelement vertex " + std::string(header->vertices) + '\n';
     ply.reserve(header->data.size() + 500);
     const auto add = [&ply](std::string_view type, std::string_view names) {

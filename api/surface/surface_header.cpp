@@ -13,7 +13,7 @@
 #include "api/json/json_document.h"
 #include "api/surface/obj.h"
 #include "api/surface/off.h"
-#include "api/surface/surface_errors.h"
+#include "api/surface/surface_format.h"
 #include "api/text/byte_order_mark.h"
 #include "api/text/text.h"
 #include "core/surface/triangle_soup.h"
@@ -66,7 +66,7 @@ std::uint64_t triangles_of(std::uint64_t corners, std::uint64_t polygons) {
 }
 
 /// Returns the error of a file that is shorter than its header requires.
-tl::unexpected<Error> too_short(std::string_view format, std::uint64_t needed, std::uint64_t present) {
+tl::unexpected<Error> too_short(SurfaceFormat format, std::uint64_t needed, std::uint64_t present) {
     return unusable_surface(format, "its header announces at least " + std::to_string(needed) +
                                         " numbers or bytes, but the file has " + std::to_string(present));
 }
@@ -79,7 +79,7 @@ bool is_binary_stl(std::string_view bytes) {
 Result<Bounds> bounds_of_binary_stl(std::string_view bytes) {
     const std::uint64_t facets = bytes.size() < kStlHead ? 0 : number_at(bytes, kStlHead - 4);
     const std::uint64_t needed = kStlHead + kStlFacet * facets;
-    if (needed > bytes.size()) return too_short("STL", needed, bytes.size());
+    if (needed > bytes.size()) return too_short(SurfaceFormat::StlBinary, needed, bytes.size());
     return Bounds{facets, 3 * facets, facets, true};
 }
 
@@ -129,8 +129,8 @@ std::uint64_t size_of_type(std::string_view type, bool is_text) {
     return is_text ? 1 : std::max<std::uint64_t>(size_of_ply_type(type), 1);
 }
 
-/// @param format  name of the format in errors
-Result<Bounds> bounds_of_ply(std::string_view bytes, std::string_view format) {
+/// @param format  the format in errors
+Result<Bounds> bounds_of_ply(std::string_view bytes, SurfaceFormat format) {
     Bounds bounds;
     bool is_text = true;
     std::uint64_t count = 0;   // of the elements that are being declared
@@ -181,9 +181,9 @@ Result<GltfParts> parts_of_gltf(std::string_view bytes, SurfaceFormat format) {
     constexpr std::size_t kHead = 20, kChunkHead = 8;  // the first one includes the head of the first chunk
     if (bytes.size() >= kHead && number_at(bytes, 4) != 2)
         return unusable_surface(
-            name_of(format), "its version is " + std::to_string(number_at(bytes, 4)) + "; only version 2 is supported");
+            format, "its version is " + std::to_string(number_at(bytes, 4)) + "; only version 2 is supported");
     if (bytes.size() < kHead || number_at(bytes, 8) > bytes.size() || number_at(bytes, 12) > bytes.size() - kHead)
-        return unusable_surface(name_of(format), "it is truncated");
+        return unusable_surface(format, "it is truncated");
     const auto size = static_cast<std::size_t>(number_at(bytes, 12));
     const std::string_view rest = bytes.substr(kHead + size);
     return GltfParts{trim(bytes.substr(kHead, size), std::string_view(" \0", 2)),
@@ -225,7 +225,7 @@ public:
             if (const auto mesh = index(member(nodes[node], "mesh"), meshes.size())) add_mesh(meshes[*mesh], bounds);
         }
         if (is_tree) return bounds;
-        return unusable_surface(name_of(format_), "its nodes do not form a tree with at most 500 levels");
+        return unusable_surface(format_, "its nodes do not form a tree with at most 500 levels");
     }
 
     /// Adds the pictures of materials to the header: their pixels, and the memory for reading them.
@@ -291,15 +291,15 @@ private:
     Result<void> check_contents() const {
         const auto version = member(member(root_, "asset"), "version");
         if (!version || !version->is_string() || !version->text().starts_with("2."))
-            return unusable_surface(name_of(format_), "asset/version is not 2.x; only glTF 2 is supported");
+            return unusable_surface(format_, "asset/version is not 2.x; only glTF 2 is supported");
         for (const JsonValue buffer : list(root_, "buffers")) {
             const auto uri = member(buffer, "uri");
             if (uri && uri->is_string() && !uri->text().starts_with("data:"))
-                return unusable_surface(name_of(format_), "its data is in another file (" + uri->text().substr(0, 100) +
-                                                              "); send a GLB, or embed the data");
+                return unusable_surface(format_, "its data is in another file (" + uri->text().substr(0, 100) +
+                                                     "); send a GLB, or embed the data");
         }
         if (!std::ranges::all_of(list(root_, "materials"), has_valid_transforms))
-            return unusable_surface(name_of(format_), "a KHR_texture_transform is damaged");
+            return unusable_surface(format_, "a KHR_texture_transform is damaged");
         for (const JsonValue image : list(root_, "images")) {
             const auto declared = member(image, "mimeType"), uri = member(image, "uri");
             std::string_view type = declared && declared->is_string() ? std::string_view(declared->text()) : "image/";
@@ -307,13 +307,13 @@ private:
             if (data.starts_with("data:")) type = data.substr(5, data.find_first_of(";,") - 5);
             // The library reads beyond the end of a type without a slash.
             if (!type.empty() && type.find('/') == std::string_view::npos)
-                return unusable_surface(name_of(format_), "an image has an invalid media type");
+                return unusable_surface(format_, "an image has an invalid media type");
         }
         constexpr auto kUnsupported = std::to_array<std::string_view>(
             {"KHR_mesh_quantization", "EXT_meshopt_compression", "EXT_mesh_gpu_instancing"});
         for (const JsonValue extension : list(root_, "extensionsRequired")) {
             if (extension.is_string() && std::ranges::find(kUnsupported, extension.text()) != kUnsupported.end())
-                return unusable_surface(name_of(format_), "the extension " + extension.text() + " is not supported");
+                return unusable_surface(format_, "the extension " + extension.text() + " is not supported");
         }
         return {};
     }
@@ -375,8 +375,8 @@ Result<Bounds> bounds_of(std::string_view bytes, SurfaceFormat format) {
     if (format == SurfaceFormat::StlText) return bounds_of_text_stl(bytes);
     if (format == SurfaceFormat::StlBinary) return bounds_of_binary_stl(bytes);
     if (format == SurfaceFormat::Obj) return bounds_of_obj(bytes);
-    if (format == SurfaceFormat::Ply) return bounds_of_ply(bytes, "PLY");
-    return ply_of_off(bytes).and_then([](const std::string& ply) { return bounds_of_ply(ply, "OFF"); });
+    if (format == SurfaceFormat::Ply) return bounds_of_ply(bytes, format);
+    return ply_of_off(bytes).and_then([&](const std::string& ply) { return bounds_of_ply(ply, format); });
 }
 
 /// Returns the memory for reading a file: twice the memory measured with files of a million faces.
@@ -386,12 +386,20 @@ std::uint64_t decoder_bytes_of(const SurfaceHeader& header, std::size_t file) {
     return kBase + 2 * file + per_triangle * header.max_triangles + 110 * header.max_vertices;
 }
 
-}  // namespace
-
-std::string_view name_of(SurfaceFormat format) {
-    constexpr auto kNames = std::to_array<std::string_view>({"STL", "STL", "OBJ", "PLY", "OFF", "glTF", "GLB"});
-    return kNames[static_cast<std::size_t>(format)];
+Result<SurfaceHeader> header_of(const Result<Bounds>& bounds, std::size_t file, SurfaceFormat format,
+                                std::size_t max_faces) {
+    if (!bounds) return tl::unexpected(bounds.error());
+    if (bounds->triangles == 0) return unusable_surface(format, "it has no triangles or polygons");
+    // Vertices are limited, too, because a file with few faces may have any number of them.
+    const std::uint64_t least = bounds->is_exact ? bounds->triangles : bounds->faces;
+    if (least > max_faces || bounds->vertices / 3 > max_faces) return too_many_faces(max_faces);
+    SurfaceHeader header{format, bounds->faces, std::min<std::uint64_t>(bounds->triangles, max_faces),
+                         bounds->vertices};
+    header.decoder_bytes = decoder_bytes_of(header, file);
+    return header;
 }
+
+}  // namespace
 
 std::optional<SurfaceFormat> recognise_surface(std::string_view bytes, std::string_view media_type) {
     bytes = without_byte_order_mark(bytes);
@@ -404,64 +412,30 @@ std::optional<SurfaceFormat> recognise_surface(std::string_view bytes, std::stri
     if (first == "solid") return SurfaceFormat::StlText;
     if (is_gltf(bytes)) return SurfaceFormat::Gltf;
     if (is_obj(bytes)) return SurfaceFormat::Obj;
-    constexpr auto kTypes = std::to_array<std::pair<std::string_view, SurfaceFormat>>(
-        {{"model/stl", SurfaceFormat::StlBinary},
-         {"model/x.stl-binary", SurfaceFormat::StlBinary},
-         {"application/sla", SurfaceFormat::StlBinary},
-         {"application/vnd.ms-pki.stl", SurfaceFormat::StlBinary},
-         {"model/x.stl-ascii", SurfaceFormat::StlText},
-         {"model/obj", SurfaceFormat::Obj},
-         {"model/ply", SurfaceFormat::Ply},
-         {"model/off", SurfaceFormat::Off},
-         {"model/gltf+json", SurfaceFormat::Gltf},
-         {"model/gltf-binary", SurfaceFormat::Glb}});
-    const auto* const found = std::ranges::find(kTypes, media_type, &std::pair<std::string_view, SurfaceFormat>::first);
-    if (found == kTypes.end()) return std::nullopt;
-    return found->second;
+    constexpr auto kBinaryStl = std::to_array<std::string_view>(
+        {"model/stl", "model/x.stl-binary", "application/sla", "application/vnd.ms-pki.stl"});
+    if (std::ranges::find(kBinaryStl, media_type) != kBinaryStl.end()) return SurfaceFormat::StlBinary;
+    if (media_type == "model/x.stl-ascii") return SurfaceFormat::StlText;
+    if (media_type == "model/obj") return SurfaceFormat::Obj;
+    if (media_type == "model/ply") return SurfaceFormat::Ply;
+    if (media_type == "model/off") return SurfaceFormat::Off;
+    if (media_type == "model/gltf+json") return SurfaceFormat::Gltf;
+    if (media_type == "model/gltf-binary") return SurfaceFormat::Glb;
+    return std::nullopt;
 }
 
 std::uint64_t size_of_ply_type(std::string_view type) {
-    constexpr auto kTypes = std::to_array<std::pair<std::string_view, std::uint64_t>>({{"char", 1},
-                                                                                       {"uchar", 1},
-                                                                                       {"int8", 1},
-                                                                                       {"uint8", 1},
-                                                                                       {"short", 2},
-                                                                                       {"ushort", 2},
-                                                                                       {"int16", 2},
-                                                                                       {"uint16", 2},
-                                                                                       {"int", 4},
-                                                                                       {"uint", 4},
-                                                                                       {"int32", 4},
-                                                                                       {"uint32", 4},
-                                                                                       {"float", 4},
-                                                                                       {"float32", 4},
-                                                                                       {"double", 8},
-                                                                                       {"float64", 8}});
-    const auto* const found = std::ranges::find(kTypes, type, &std::pair<std::string_view, std::uint64_t>::first);
-    return found == kTypes.end() ? 0 : found->second;
+    constexpr auto kTypes =
+        std::to_array<std::string_view>({"char", "uchar", "int8", "uint8", "short", "ushort", "int16", "uint16", "int",
+                                         "uint", "int32", "uint32", "float", "float32", "double", "float64"});
+    constexpr auto kSizes = std::to_array<std::uint64_t>({1, 1, 1, 1, 2, 2, 2, 2, 4, 4, 4, 4, 4, 4, 8, 8, 0});
+    return kSizes[static_cast<std::size_t>(std::ranges::find(kTypes, type) - kTypes.begin())];
 }
 
 tl::unexpected<Error> too_many_faces(std::uint64_t max_faces) {
     return failure(ErrorCode::LimitExceeded,
                    "the mesh has too many faces; this server's limit (max-faces) is " + std::to_string(max_faces));
 }
-
-namespace {
-
-Result<SurfaceHeader> header_of(const Result<Bounds>& bounds, std::size_t file, SurfaceFormat format,
-                                std::size_t max_faces) {
-    if (!bounds) return tl::unexpected(bounds.error());
-    if (bounds->triangles == 0) return unusable_surface(name_of(format), "it has no triangles or polygons");
-    // Vertices are limited, too, because a file with few faces may have any number of them.
-    const std::uint64_t least = bounds->is_exact ? bounds->triangles : bounds->faces;
-    if (least > max_faces || bounds->vertices / 3 > max_faces) return too_many_faces(max_faces);
-    SurfaceHeader header{format, bounds->faces, std::min<std::uint64_t>(bounds->triangles, max_faces),
-                         bounds->vertices};
-    header.decoder_bytes = decoder_bytes_of(header, file);
-    return header;
-}
-
-}  // namespace
 
 Result<SurfaceHeader> read_surface_header(std::string_view bytes, SurfaceFormat format, std::size_t max_faces,
                                           std::size_t max_pixels) {
@@ -470,11 +444,21 @@ Result<SurfaceHeader> read_surface_header(std::string_view bytes, SurfaceFormat 
     const auto parts = parts_of_gltf(bytes, format);
     if (!parts) return tl::unexpected(parts.error());
     const auto document = JsonDocument::parse(parts->json);
-    if (!document) return unusable_surface(name_of(format), document.error().message);
+    if (!document) return unusable_surface(format, document.error().message);
     const Gltf gltf(document->root(), parts->binary, format);
     auto header = header_of(gltf.bounds(), bytes.size(), format, max_faces);
     if (header && max_pixels > 0) gltf.add_pictures(max_pixels, *header);
     return header;
+}
+
+std::optional<Result<SurfaceFile>> open_surface(std::string_view bytes, std::string_view media_type,
+                                                std::size_t max_faces, std::size_t max_pixels) {
+    const auto format = recognise_surface(bytes, media_type);
+    if (!format) return std::nullopt;
+    const std::string_view file = without_byte_order_mark(bytes);
+    return read_surface_header(file, *format, max_faces, max_pixels).map([&](const SurfaceHeader& header) {
+        return SurfaceFile{file, header};
+    });
 }
 
 }  // namespace ccdt::api

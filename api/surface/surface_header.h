@@ -6,15 +6,10 @@
 #include <optional>
 #include <string_view>
 
+#include "api/surface/surface_format.h"
 #include "core/result.h"
 
 namespace ccdt::api {
-
-/// Formats of mesh files.
-enum class SurfaceFormat : std::uint32_t { StlText, StlBinary, Obj, Ply, Off, Gltf, Glb };
-
-/// Returns the name of a format, such as "STL".
-std::string_view name_of(SurfaceFormat format);
 
 /// Properties of a mesh file that can be determined without the mesh library. The library has faults, so only a
 /// sandboxed process uses it.
@@ -51,6 +46,11 @@ std::optional<SurfaceFormat> recognise_surface(std::string_view bytes, std::stri
 /// Advanced Visualizer, appendix B1.
 Result<SurfaceHeader> read_surface_header(std::string_view bytes, SurfaceFormat format, std::size_t max_faces,
                                           std::size_t max_pixels = 0);
+
+/// Reads the header of a mesh file, after a byte order mark if there is one; returns none for other files. The
+/// parameters and errors are those of recognise_surface() and read_surface_header().
+std::optional<Result<SurfaceFile>> open_surface(std::string_view bytes, std::string_view media_type,
+                                                std::size_t max_faces, std::size_t max_pixels);
 
 /// Returns the size of a type of PLY in bytes; 0 for unknown types.
 std::uint64_t size_of_ply_type(std::string_view type);

@@ -24,7 +24,7 @@
 #include "api/image/srgb.h"
 #include "api/surface/obj.h"
 #include "api/surface/off.h"
-#include "api/surface/surface_errors.h"
+#include "api/surface/surface_format.h"
 #include "api/text/text.h"
 #include "core/halftone/srgb.h"
 
@@ -342,25 +342,24 @@ Result<void> check(std::span<const PlacedMesh> meshes, const SurfaceHeader& head
         for (const aiFace& face : faces_of(*mesh)) {
             if (face.mNumIndices > kMaxCorners)
                 return unusable_surface(
-                    name_of(header.format),
-                    "a polygon has more than " + std::to_string(kMaxCorners) + " corners, the limit");
+                    header.format, "a polygon has more than " + std::to_string(kMaxCorners) + " corners, the limit");
             if (face.mNumIndices > 2) triangles += face.mNumIndices - 2;
             for (const unsigned index : std::span(face.mIndices, face.mNumIndices)) {
                 if (index < mesh->mNumVertices) continue;
-                return unusable_surface(name_of(header.format), "face " + std::to_string(&face - mesh->mFaces) +
-                                                                    " refers to vertex " + std::to_string(index) +
-                                                                    ", but there are only " +
-                                                                    std::to_string(mesh->mNumVertices) + " vertices");
+                return unusable_surface(header.format, "face " + std::to_string(&face - mesh->mFaces) +
+                                                           " refers to vertex " + std::to_string(index) +
+                                                           ", but there are only " +
+                                                           std::to_string(mesh->mNumVertices) + " vertices");
             }
         }
         if (triangles > header.max_triangles || vertices > header.max_vertices)
             return too_many_faces(header.max_triangles);
     }
-    if (triangles == 0) return unusable_surface(name_of(header.format), "it has no triangles or polygons");
+    if (triangles == 0) return unusable_surface(header.format, "it has no triangles or polygons");
     // The library omits some faces that are invalid, which would change the numbers of others.
     if (faces < header.min_faces)
-        return unusable_surface(name_of(header.format), std::to_string(header.min_faces - faces) + " of its " +
-                                                            std::to_string(header.min_faces) + " faces are damaged");
+        return unusable_surface(header.format, std::to_string(header.min_faces - faces) + " of its " +
+                                                   std::to_string(header.min_faces) + " faces are damaged");
     return {};
 }
 
@@ -379,14 +378,13 @@ Result<SurfaceContents> read_by_library(std::string_view bytes, const SurfaceHea
     if (scene == nullptr) {
         const std::string_view reason = importer.GetErrorString();
         const bool lacks_memory = reason.find("bad_alloc") != std::string_view::npos;
-        return unusable_surface(name_of(header.format), lacks_memory ? "it needs too much memory" : reason);
+        return unusable_surface(header.format, lacks_memory ? "it needs too much memory" : reason);
     }
     auto meshes = place_meshes(*scene);
     if (const auto checked = check(meshes, header); !checked) return tl::unexpected(checked.error());
     if (has_polygons(meshes)) {
         scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
-        if (scene == nullptr)
-            return unusable_surface(name_of(header.format), "its polygons cannot be divided into triangles");
+        if (scene == nullptr) return unusable_surface(header.format, "its polygons cannot be divided into triangles");
         meshes = place_meshes(*scene);
     }
     SurfaceContents contents;
@@ -406,7 +404,7 @@ Result<SurfaceContents> read_surface(std::string_view bytes, const SurfaceHeader
                 [&](const std::string& ply) { return read_by_library(ply, header, decode); });
         return read_by_library(bytes, header, decode);
     } catch (const std::exception& error) {
-        return unusable_surface(name_of(header.format), error.what());
+        return unusable_surface(header.format, error.what());
     }
 }
 

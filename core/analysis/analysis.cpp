@@ -432,14 +432,25 @@ Analysis measure(Sets<P> sets, const Frame<P>& frame, const Plan& plan, const st
     return analysis;
 }
 
+/// Makes the plan of an analysis whose arguments are valid. Errors: those of check_analysis().
 template <class P>
-Result<Analysis> analyse_in(const Frame<P>& frame, Sets<P> sets, const AnalysisOptions& options,
-                            const std::stop_token& stop) {
+Result<Plan> prepare(Sets<P> sets, const Frame<P>& frame, const AnalysisOptions& options) {
+    bool is_proper = true;
+    frame.for_axes([&](std::size_t axis) {
+        const double side = along(frame.size, axis);
+        is_proper = is_proper && side > 0 && std::isfinite(side);
+    });
+    if (!is_proper) return unusable("the sides of the domain must be positive and finite", "domain");
     if (!(options.max_frequency >= kMinFrequency && options.max_frequency <= kMaxFrequency)) {
         return failure(ErrorCode::Malformed, "max_frequency must be a number from 1 to 16", "max_frequency");
     }
-    if (auto checked = check_sets(sets, frame); !checked) return tl::make_unexpected(checked.error());
-    const auto plan = make_plan(sets, frame, options);
+    return check_sets(sets, frame).and_then([&] { return make_plan(sets, frame, options); });
+}
+
+template <class P>
+Result<Analysis> analyse_in(const Frame<P>& frame, Sets<P> sets, const AnalysisOptions& options,
+                            const std::stop_token& stop) {
+    const auto plan = prepare(sets, frame, options);
     if (!plan) return tl::make_unexpected(plan.error());
     Analysis analysis = measure(sets, frame, *plan, stop);
     if (stop.stop_requested()) return failure(ErrorCode::Stopped, "the analysis was stopped");
@@ -447,21 +458,28 @@ Result<Analysis> analyse_in(const Frame<P>& frame, Sets<P> sets, const AnalysisO
     return analysis;
 }
 
+Frame<Point> frame_of(const Domain& domain) {
+    assert(domain.is_box());
+    return {domain.bounds().min, domain.bounds().max, domain.is_torus()};
+}
+
 }  // namespace
+
+Result<void> check_analysis(Sets<Point> sets, const Domain& domain, const AnalysisOptions& options) {
+    return prepare(sets, frame_of(domain), options).map([](const Plan&) {});
+}
+
+Result<void> check_analysis(Sets<Point3> sets, Point3 sides, bool periodic, const AnalysisOptions& options) {
+    return prepare(sets, Frame<Point3>({}, sides, periodic), options).map([](const Plan&) {});
+}
 
 Result<Analysis> analyse(Sets<Point> sets, const Domain& domain, const AnalysisOptions& options,
                          const std::stop_token& stop) {
-    assert(domain.is_box());
-    const Box& box = domain.bounds();
-    return analyse_in(Frame<Point>(box.min, box.max, domain.is_torus()), sets, options, stop);
+    return analyse_in(frame_of(domain), sets, options, stop);
 }
 
 Result<Analysis> analyse(Sets<Point3> sets, Point3 sides, bool periodic, const AnalysisOptions& options,
                          const std::stop_token& stop) {
-    for (const double side : {sides.x, sides.y, sides.z}) {
-        if (!(side > 0 && std::isfinite(side)))
-            return unusable("the sides of the domain must be positive and finite", "domain");
-    }
     return analyse_in(Frame<Point3>({}, sides, periodic), sets, options, stop);
 }
 

@@ -96,6 +96,13 @@ Result<Analysis> analyse(std::span<const std::vector<Point>> sets, const Domain&
 Result<Analysis> analyse(std::span<const std::vector<Point3>> sets, Point3 sides, bool periodic,
                          const AnalysisOptions& options, const std::stop_token& stop = {});
 
+/// Checks the points, the domain and the options of an analysis. Errors: those of analyse(), except for Stopped and for
+/// a spectrum without rings. O(points).
+Result<void> check_analysis(std::span<const std::vector<Point>> sets, const Domain& domain,
+                            const AnalysisOptions& options);
+Result<void> check_analysis(std::span<const std::vector<Point3>> sets, Point3 sides, bool periodic,
+                            const AnalysisOptions& options);
+
 /// Largest number of cells that the transform of a set may need.
 inline constexpr std::size_t kMaxTransformCells = std::size_t{1} << 29;
 

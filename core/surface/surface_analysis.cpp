@@ -140,11 +140,15 @@ std::size_t count_mode_vertices(const Surface& surface, std::size_t modes) {
     return plan_division(surface, modes).vertices;
 }
 
+Result<void> check_surface_analysis(std::size_t points, std::size_t modes) {
+    if (points < 2) return failure(ErrorCode::Unusable, "at least 2 points are necessary", "points");
+    if (modes >= 1 && modes <= kMaxModes) return {};
+    return failure(ErrorCode::Malformed, "modes must be from 1 to " + std::to_string(kMaxModes), "modes");
+}
+
 Result<SurfaceAnalysis> analyse_surface(const Surface& surface, std::span<const SurfacePoint> points, std::size_t modes,
                                         const std::stop_token& stop) {
-    if (points.size() < 2) return failure(ErrorCode::Unusable, "at least 2 points are necessary", "points");
-    if (modes < 1 || modes > kMaxModes)
-        return failure(ErrorCode::Malformed, "modes must be from 1 to " + std::to_string(kMaxModes), "modes");
+    if (auto checked = check_surface_analysis(points.size(), modes); !checked) return tl::unexpected(checked.error());
     const std::size_t vertices = count_mode_vertices(surface, modes);
     if (vertices > kMaxModeValues / modes)
         return failure(ErrorCode::LimitExceeded,

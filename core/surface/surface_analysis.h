@@ -37,6 +37,9 @@ inline constexpr std::size_t kMaxModeValues = std::size_t{1} << 25;
 /// by four, until there are at least 20 vertices per mode.
 std::size_t count_mode_vertices(const Surface& surface, std::size_t modes);
 
+/// Checks the number of points and the number of modes. Errors: those of analyse_surface() for numbers out of range.
+Result<void> check_surface_analysis(std::size_t points, std::size_t modes);
+
 /// Measures points on a surface.
 ///
 /// @param points  [n], n >= 2

@@ -2,7 +2,9 @@
 #include "core/volume/distribute_volume.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "core/volume/fixed_point_error.h"
@@ -13,11 +15,19 @@ namespace {
 
 constexpr double kThinnest = 0.25;  ///< least side of a domain, in spacings
 
+/// Writes a number with three digits.
+std::string rounded(double value) {
+    char digits[32];
+    return {digits, std::to_chars(digits, digits + sizeof digits, value, std::chars_format::general, 3).ptr};
+}
+
 bool is_length(double v) {
     return std::isfinite(v) && v > 0;
 }
 
-Result<void> check(const BoxDomain3& domain, const VolumeOptions& options) {
+}  // namespace
+
+Result<void> check_volume(const BoxDomain3& domain, const VolumeOptions& options) {
     if (auto checked = check_sites(options); !checked) return checked;
     const Point3 sides = domain.sides;
     if (!is_length(sides.x) || !is_length(sides.y) || !is_length(sides.z))
@@ -28,20 +38,22 @@ Result<void> check(const BoxDomain3& domain, const VolumeOptions& options) {
         if (!within(p.x, sides.x) || !within(p.y, sides.y) || !within(p.z, sides.z))
             return tl::unexpected(fixed_point_error(i, p, "in the domain"));
     }
-    return {};
+    // The volume could overflow.
+    const double volume_root = std::cbrt(sides.x) * std::cbrt(sides.y) * std::cbrt(sides.z);
+    const double spacing = volume_root / std::cbrt(static_cast<double>(options.sites + options.fixed.size()));
+    const double shortest = std::min({sides.x, sides.y, sides.z});
+    if (shortest >= kThinnest * spacing) return {};
+    return failure(ErrorCode::Unusable,
+                   "the shortest side, " + rounded(shortest) +
+                       ", is less than a quarter of the mean distance between points, " + rounded(spacing),
+                   "domain");
 }
-
-}  // namespace
 
 Result<VolumeDistribution> distribute_in_volume(const BoxDomain3& domain, const VoxelDensity& density,
                                                 const VolumeOptions& options, const Control& control) {
-    if (auto checked = check(domain, options); !checked) return tl::unexpected(checked.error());
+    if (auto checked = check_volume(domain, options); !checked) return tl::unexpected(checked.error());
     const double scale = std::max({domain.sides.x, domain.sides.y, domain.sides.z});
     const BoxDomain3 unit{{domain.sides.x / scale, domain.sides.y / scale, domain.sides.z / scale}, domain.periodic};
-    const double spacing = std::cbrt(unit.volume() / static_cast<double>(options.sites + options.fixed.size()));
-    if (!(spacing > 0) || std::min({unit.sides.x, unit.sides.y, unit.sides.z}) < kThinnest * spacing)
-        return failure(ErrorCode::Unusable, "a side is shorter than a quarter of the mean distance between points",
-                       "domain");
     std::vector<Point3> fixed;
     for (const Point3 p : options.fixed) fixed.push_back(unit.inside({p.x / scale, p.y / scale, p.z / scale}));
 

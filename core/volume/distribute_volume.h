@@ -9,6 +9,10 @@
 
 namespace ccdt {
 
+/// Checks a domain, and the numbers and positions of points in it. Errors: those of distribute_in_volume(), except for
+/// Stopped. O(fixed points).
+Result<void> check_volume(const BoxDomain3& domain, const VolumeOptions& options);
+
 /// Distributes sites in a box or a torus in space, evenly or by a density, as distribute() does in the plane:
 /// relaxation of the tetrahedra's capacities alternates with pushes of near neighbours and with the removal of long
 /// waves of density error.

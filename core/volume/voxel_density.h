@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -25,6 +26,13 @@ public:
     /// Errors: Malformed if the number of values is wrong ("density"), or a value is negative or not finite
     /// ("density/N"); Unusable if all are 0 ("density"). O(voxels). Takes 8 bytes per corner of the voxels.
     static Result<VoxelDensity> create(const std::array<std::size_t, 3>& voxels, std::span<const double> values);
+
+    /// Checks the values of voxels, without making a density. Returns whether all are equal.
+    /// @param voxels  as for create(); their product must not overflow
+    /// @param value   returns the value with an index
+    /// Errors: as for create(), except for a wrong number of values.
+    static Result<bool> check(const std::array<std::size_t, 3>& voxels,
+                              const std::function<double(std::size_t index)>& value);
 
     bool is_uniform() const { return sums_.empty(); }
 

@@ -2,18 +2,21 @@
 #include "server/cli/request.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <filesystem>
 #include <utility>
 
 #include "api/analyze/point_file_reader.h"
 #include "api/halftone/device_picture.h"
+#include "api/input/domain_reader.h"
 #include "api/input/negotiation.h"
 #include "api/input/npy_reader.h"
 #include "api/json/json_document.h"
+#include "api/output/json_pieces.h"
 #include "api/sample/voxel_input.h"
 #include "api/surface/surface_header.h"
 #include "api/text/base64.h"
-#include "api/text/numbers.h"
 #include "api/text/text.h"
 #include "core/geometry/axes.h"
 #include "server/cli/files.h"
@@ -71,16 +74,11 @@ Result<std::string> build_object(std::string first, const Arguments& arguments) 
 
 template <class P>
 std::string list_of(const std::vector<P>& points) {
-    std::string text = "[";
-    for (const P& point : points) {
-        text += text.size() > 1 ? ",[" : "[";
-        for (std::size_t axis = 0; axis < kAxes<P>; ++axis) {
-            if (axis > 0) text += ',';
-            api::append_shortest(text, along(point, axis));
-        }
-        text += ']';
-    }
-    return text += ']';
+    std::string text;
+    api::append_array(text, points, [](std::string& out, const P& point) {
+        api::append_numbers(out, std::bit_cast<std::array<double, kAxes<P>>>(point));
+    });
+    return text;
 }
 
 /// Whether an option names the file of the mesh on which points are analysed.
@@ -95,13 +93,12 @@ const std::string* find_mesh(const Arguments& arguments) {
     return found == arguments.given.end() ? nullptr : &found->value;
 }
 
-/// Whether the option `domain` is a domain in space: a word, or an object with a depth.
+/// Whether the option `domain` is a domain in space: a word other than `surface`, or an object that is a box.
 bool is_in_space(const Arguments& arguments) {
     const std::string* const domain = arguments.find("domain");
-    if (domain == nullptr) return false;
-    if (*domain == "box" || *domain == "torus" || *domain == "solid") return true;
+    if (domain == nullptr || !begins_like_json(*domain)) return domain != nullptr && *domain != "surface";
     const auto parsed = api::JsonDocument::parse(*domain);
-    return parsed && parsed->root().is_object() && parsed->root().find("depth");
+    return parsed && api::is_box(parsed->root());
 }
 
 /// Whether the service accepts the options beside this body as query parameters.
@@ -119,22 +116,20 @@ Result<std::string> build_sample_body(const Arguments& arguments, const std::str
 Result<std::string> build_analyze_body(const Arguments& arguments, const std::string* file) {
     if (file == nullptr) return build_object("{", arguments);
     const auto build = [&](const auto& points) { return build_object(R"({"points":)" + list_of(points), arguments); };
-    if (arguments.find("domain") == nullptr ? api::is_space_point_file(*file) : is_in_space(arguments))
-        return api::read_space_point_file(*file, arguments.limits).and_then(build);
+    if (arguments.find("domain") == nullptr ? api::is_point_file3(*file) : is_in_space(arguments))
+        return api::read_point_file3(*file, arguments.limits).and_then(build);
     return api::read_point_file(*file, arguments.limits).and_then(build);
 }
 
 /// Returns the formats between which a command chooses.
 std::vector<const api::FileFormat*> formats_of(const Command& command, const Arguments& arguments) {
-    if (find_mesh(arguments) != nullptr) return {&api::kJson};
     if (arguments.find("device") != nullptr) return api::files_of(api::device_formats());
     return command.formats();
 }
 
 }  // namespace
 
-Result<ApiRequest> build_request(const Command& command, const Arguments& arguments, const std::string* input,
-                                 std::string_view accept) {
+Result<ApiRequest> build_request(const Command& command, const Arguments& arguments, const std::string* input) {
     const std::string* const mesh = find_mesh(arguments);
     const std::string* const density = arguments.find("density");
     const bool has_voxels = input == nullptr && density != nullptr && api::is_voxel_file(*density);
@@ -142,24 +137,23 @@ Result<ApiRequest> build_request(const Command& command, const Arguments& argume
     const bool is_binary =
         file != nullptr && command.name == "sample" && (api::recognise_surface(*file) || api::is_voxel_file(*file));
     if (mesh != nullptr || (file != nullptr && command.name != "analyze" && (is_binary || takes_query(arguments)))) {
-        ApiRequest request{*file, {}, std::string(accept)};
+        ApiRequest request{*file, {}};
         if (mesh != nullptr && input != nullptr) request.options.push_back({"points", *input});
         for (const auto& [option, value] : arguments.given) {
-            const bool is_checked = mesh != nullptr && option->member == "format";  // by find_format()
-            if (&value != file && !is_checked) request.options.push_back({option->member, value});
+            if (&value != file) request.options.push_back({option->member, value});
         }
         return request;
     }
     auto body = command.name == "analyze" ? build_analyze_body(arguments, input) : build_sample_body(arguments, input);
-    return std::move(body).map([&](std::string text) { return ApiRequest{std::move(text), {}, std::string(accept)}; });
+    return std::move(body).map([](std::string text) { return ApiRequest{std::move(text), {}}; });
 }
 
 Result<api::ParsedPointer> parse_request(const Command& command, const ApiRequest& request, const api::Limits& limits) {
-    const auto& [body, options, accept] = request;
+    const auto& [body, options] = request;
     if (command.name == "halftone")
-        return api::parse_halftone_request(body, api::HalftoneBody::Picture, options, accept, limits);
-    if (command.name == "sample") return api::parse_sample_request(body, options, accept, limits);
-    return api::parse_analyze_request(body, options, accept, limits);
+        return api::parse_halftone_request(body, api::HalftoneBody::Picture, options, "", limits);
+    if (command.name == "sample") return api::parse_sample_request(body, options, "", limits);
+    return api::parse_analyze_request(body, options, "", limits);
 }
 
 Result<void> read_value_files(Arguments& arguments) {
@@ -172,12 +166,8 @@ Result<void> read_value_files(Arguments& arguments) {
         if (content && is_mesh && !api::recognise_surface(*content))
             content = failure(ErrorCode::Unsupported, "this is not an STL, OBJ, PLY, OFF, GLB or glTF file");
         if (!content) return failure(content.error().code, file + ": " + content.error().message, option->member);
-        if (is_mesh) {
-            value = *std::move(content);
-            continue;
-        }
         value = *std::move(content);
-        files.push_back(&value);
+        if (!is_mesh) files.push_back(&value);
     }
     // Only now, the domain is known.
     const bool in_space = is_in_space(arguments);
@@ -194,8 +184,6 @@ Result<const api::FileFormat*> find_format(const Command& command, const Argumen
     const auto formats = formats_of(command, arguments);
     if (const std::string* const name = arguments.find("format")) {
         const auto found = std::ranges::find(formats, *name, &api::FileFormat::name);
-        if (found == formats.end() && find_mesh(arguments) != nullptr)
-            return failure(ErrorCode::Malformed, "format must be 'json' for points on a mesh", "format");
         return found == formats.end() ? formats.front() : *found;  // the parser reports an unknown name
     }
     if (output == kStandardStream || replaceable_path(output).empty()) return formats.front();

@@ -16,18 +16,15 @@ namespace ccdt::server {
 struct ApiRequest {
     std::string body;
     std::vector<api::TextOption> options;  ///< options as text, in addition to those of the body
-    std::string accept;                    ///< media type that the name of the output chooses; empty: none
 };
 
 /// Builds the request for an input.
 ///
 /// Options become query parameters if the service accepts them beside this input, and otherwise members of a JSON body.
-/// @param input   content of the input file; null: there is none
-/// @param accept  see ApiRequest
+/// @param input  content of the input file; null: there is none
 /// Errors: Malformed for a value that begins like JSON and is not JSON, with the member as Error::field, and for a file
 /// of points that cannot be read; LimitExceeded for too many points.
-Result<ApiRequest> build_request(const Command& command, const Arguments& arguments, const std::string* input,
-                                 std::string_view accept);
+Result<ApiRequest> build_request(const Command& command, const Arguments& arguments, const std::string* input);
 
 /// Parses a request. The result may point into it.
 Result<api::ParsedPointer> parse_request(const Command& command, const ApiRequest& request, const api::Limits& limits);

@@ -194,9 +194,10 @@ private:
         if (command_.name == "sample" && input && input->starts_with(api::kZipSignature)) {
             if (auto converted = convert(*input, arguments); !converted) return converted;
         }
-        const bool is_named = task.output != kStandardStream && arguments.find("format") == nullptr;
-        const auto request = build_request(command_, arguments, input ? &*input : nullptr,
-                                           is_named ? task.format->media_type : std::string_view());
+        if (task.output != kStandardStream && arguments.find("format") == nullptr)
+            arguments.given.push_back(
+                {&*std::ranges::find(options_, "format", &Option::member), std::string(task.format->name)});
+        const auto request = build_request(command_, arguments, input ? &*input : nullptr);
         if (!request) return failed(status_of(request.error(), options_), request.error());
         input.reset();
         OutputFile output(task.output, interruption_);

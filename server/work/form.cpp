@@ -28,20 +28,19 @@ bool is_body(const FormPart& field, std::string_view part) {
 
 Result<const FormPart*> find_body(const std::vector<FormPart>& fields, std::string_view part) {
     const FormPart* body = nullptr;
-    const std::string name(part);
+    const std::string name(part), names = part == kMap ? "`map`, `file` or `mesh`" : '`' + name + "` or `file`";
     for (const FormPart& field : fields) {
         if (!is_body(field, part)) continue;
-        if (body != nullptr) return failure(ErrorCode::Malformed, "the form contains more than one " + name, name);
+        if (body != nullptr) return failure(ErrorCode::Malformed, "the form has more than one part " + names, name);
         body = &field;
     }
     if (body != nullptr) return body;
     const auto is_density = [](const FormPart& field) { return field.name == kDensity && field.is_file; };
     const auto density = std::ranges::find_if(fields, is_density);
-    if (part != kMap)
-        return failure(ErrorCode::Malformed, "the form has no part `" + name + "` or `file` with the " + name, name);
+    if (part != kMap) return failure(ErrorCode::Malformed, "the form has no part " + names + " with the " + name, name);
     if (density == fields.end())
         return failure(ErrorCode::Malformed,
-                       "the form has no part `map`, `file` or `mesh`, and no part `density` with a file name", name);
+                       "the form has no part " + names + ", and no part `density` with a file name", name);
     return &*density;
 }
 

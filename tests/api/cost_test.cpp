@@ -397,7 +397,7 @@ TEST(SurfaceCost, BoundsMemoryUsed) {
         };
         const auto work = [&] {
             Timings timings;
-            if (!run_in_space(*request, decode, {}, timings)) std::abort();
+            if (!run_sample3(*request, decode, {}, timings)) std::abort();
         };
         expect_near(cost_of(*request), 3, work, std::to_string(columns) + ' ' + options.back().name);
     }
@@ -420,7 +420,7 @@ TEST(VolumeCost, BoundsMemoryUsed) {
         ASSERT_TRUE(request) << request.error().message;
         const auto work = [&] {
             Timings timings;
-            if (!run_in_space(*request, {}, {}, timings)) std::abort();
+            if (!run_sample3(*request, {}, {}, timings)) std::abort();
         };
         expect_near(cost_of(*request), 3, work, body.substr(0, 200));
     }

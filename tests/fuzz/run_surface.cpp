@@ -9,7 +9,7 @@
 #include "api/sample/surface_sample.h"
 #include "api/sample/volume_sample.h"
 #include "tests/fuzz/extremes.h"
-#include "tests/fuzz/space_checks.h"
+#include "tests/fuzz/sample3_checks.h"
 #include "tests/support/surfaces.h"
 
 namespace ccdt::fuzz {

@@ -10,7 +10,7 @@
 #include "api/json/json_document.h"
 #include "api/sample/volume_sample.h"
 #include "tests/fuzz/extremes.h"
-#include "tests/fuzz/space_checks.h"
+#include "tests/fuzz/sample3_checks.h"
 
 namespace ccdt::fuzz {
 namespace {

@@ -172,7 +172,7 @@ class Errors(VolumeCase):
                  (npy_of(VOXELS)[:-1], "sites=5", 400, None, "47 bytes"),
                  (colour.getvalue(), "sites=5", 422, "density", "page 1 is not grey"),
                  (mixed, "sites=5", 422, "density", "page 2 has samples of another type than page 1"),
-                 (uneven, "sites=5", 422, "density", "page 2 has 4 x 2 pixels, but the first page has 4 x 3"),
+                 (uneven, "sites=5", 422, "density", "page 2 has 4 x 2 pixels, but page 1 has 4 x 3"),
                  (tiff_of(VOXELS)[:40], "sites=5", 422, None, ""))
         for body, query, status, field, word in cases:
             with self.subTest(query=query, word=word):

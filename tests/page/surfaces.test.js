@@ -251,8 +251,12 @@ test("places points inside a mesh", async () => {
   for (const name of ["density", "crease"]) assert.ok(await page.isHidden(`#sample form.of-surfaces [data-name=${name}]`), name);
   assert.ok(await page.isDisabled("#iteration"));
   await looksAsKept(world, frame(), "solid");
+  await open(page, "&domain=solid&sites=4000");
   await page.click("#tab-analyze");
-  await settled(page, "analyze", "failed");
+  await settled(page, "analyze");
+  assert.match(await page.textContent("#analyze .note"), /largest cube inside the mesh/);
+  const [number, , mean] = await page.locator("#analyze tbody tr:first-child td").allTextContents();
+  assert.ok(Number(number) > 20 && Number(mean) > 0.75, `${number} points, ${mean}`);
 });
 
 test("restores its settings from the address", async () => {

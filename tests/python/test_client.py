@@ -71,6 +71,14 @@ def test_answers_are_those_of_the_package(client, cat, tmp_path):
     assert client.capabilities()["halftone"]
 
 
+def test_meshes_are_sampled_and_analyzed(client):
+    mesh = PICTURES.parent / "meshes" / "house.obj"
+    points = ccdt.sample(mesh, 60, fixed=[[2, 0, 5]])
+    assert client.sample(mesh, 60, fixed=[[2, 0, 5]]).json()["points"] == points.tolist()
+    figures = client.analyze(np.array(points), mesh, modes=5).json()
+    assert figures["power"] == ccdt.analyze(points, mesh, modes=5).power.tolist()
+
+
 def test_errors_name_the_field(client):
     with pytest.raises(ccdt.Error, match="1 to 2000000") as refused:
         client.sample(ccdt.Torus(), 0)

@@ -166,6 +166,6 @@ def mesh_texts(options: Mapping[str, object], write_list: Callable[[Any, str], s
     Args:
         write_list: function that takes the value and the name of an option, and writes the value as a list in JSON.
     """
-    lists = {name: write_list(options[name], name) for name in ("density", "fixed")
+    lists = {name: write_list(options[name], name) for name in ("density", "fixed", "points")
              if options.get(name) is not None and not isinstance(options[name], str)}
     return {**texts_of({name: value for name, value in options.items() if name not in lists}), **lists}

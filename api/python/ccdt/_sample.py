@@ -119,7 +119,7 @@ class Points(np.ndarray, Drawing):  # type: ignore[type-arg]
         return np.array(self.info["triangles"], dtype=np.uint32) if "triangles" in self.info else None
 
 
-class _SpacePoints(Points):
+class _Points3(Points):
     """Points with three coordinates."""
 
     @property
@@ -131,7 +131,7 @@ class _SpacePoints(Points):
         return None
 
 
-class SurfacePoints(_SpacePoints):
+class SurfacePoints(_Points3):
     """Points on a surface as an array, float64 [n, 3], with the other members of the answer."""
 
     @classmethod
@@ -180,7 +180,7 @@ class SurfacePoints(_SpacePoints):
         return np.array(self.info["mesh"]["triangles"], dtype=np.uint32) if "mesh" in self.info else None
 
 
-class VolumePoints(_SpacePoints):
+class VolumePoints(_Points3):
     """Points in space as an array, float64 [n, 3], with the other members of the answer."""
 
     @property

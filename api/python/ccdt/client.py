@@ -12,6 +12,7 @@ import contextlib
 import http.client
 import json
 import random
+import secrets
 import time
 import urllib.error
 import urllib.parse
@@ -188,10 +189,10 @@ class Client:
         """Measures how evenly points are spread.
 
         Args:
-            points: positions [n, 2].
-            domain: torus or rectangle; the unit torus by default.
+            points: positions [n, 2] or, in space and on a surface, [n, 3].
+            domain: a torus, a rectangle, a box or the file of a mesh; the unit torus by default.
             progress: as for :meth:`halftone`.
-            **options: members of the body of ``POST /analyze``, such as ``format="png"``.
+            **options: members of the body of ``POST /analyze``, such as ``format="png"``; for a mesh, its options.
         """
         return self._compute(_analyze(points, {"domain": domain, **options}), progress)
 
@@ -260,16 +261,27 @@ def _sample(domain: Any, members: Mapping[str, Any]) -> Request:
         members = {**members, "domain": "solid"}
         domain = domain.mesh
     if is_mesh_file(domain):
-        texts = mesh_texts(members, lambda value, name: json.dumps(value, default=jsonable, allow_nan=False))
-        return "/sample?" + urllib.parse.urlencode(texts), read_file(domain, "domain"), "application/octet-stream"
+        return _mesh_request("/sample", domain, members)
     return "/sample", _body({**region_members(domain), **members}), "application/json"
 
 
 def _analyze(points: Any, members: Mapping[str, Any]) -> Request:
     domain = members["domain"]
+    if is_mesh_file(domain):
+        return _mesh_request("/analyze", domain, {**members, "points": points, "domain": None})
     if domain is not None and not isinstance(domain, dict):
         domain = domain_member(domain)
     return "/analyze", _body({**members, "points": points, "domain": domain}), "application/json"
+
+
+def _mesh_request(path: str, mesh: Any, options: Mapping[str, Any]) -> Request:
+    """Returns a request with a form: the file of a mesh, and the options as text."""
+    boundary = secrets.token_hex(16)
+    texts = mesh_texts(options, lambda value, name: json.dumps(value, default=jsonable, allow_nan=False))
+    parts = [("file", read_file(mesh, "domain")), *((name, text.encode()) for name, text in texts.items())]
+    body = b"".join(f'--{boundary}\r\nContent-Disposition: form-data; name="{name}"\r\n\r\n'.encode()
+                    + content + b"\r\n" for name, content in parts)
+    return path, body + f"--{boundary}--\r\n".encode(), f"multipart/form-data; boundary={boundary}"
 
 
 def _body(members: Mapping[str, Any]) -> bytes:

@@ -5,8 +5,8 @@ import { Connection, contentOf } from "./connection.js";
 import type { Job } from "./connection.js";
 import type {
   AnalyzeFormat, AnalyzeRequest, Answer, Bytes, Capabilities, DeviceFormat, DeviceOptions, FileInput, HalftoneFormat,
-  HalftoneOptions, MapOptions, RequestOptions, SampleFormat, SampleRequest, SurfaceFormat, SurfaceOptions,
-  VolumeFormat, VolumeOptions,
+  HalftoneOptions, MapOptions, RequestOptions, SampleFormat, SampleRequest, SurfaceAnalysis, SurfaceAnalyzeOptions,
+  SurfaceFormat, SurfaceOptions, VolumeFormat, VolumeOptions,
 } from "./types.js";
 
 export { CcdtError, Connection, Job } from "./connection.js";
@@ -64,19 +64,25 @@ export class Client extends Connection {
   async sampleMesh<F extends SurfaceFormat | VolumeFormat = "json", C extends Call = {}>(
     mesh: FileInput, options: (SurfaceOptions | VolumeOptions) & { format?: F },
     call?: C): Outcome<Answer<"/sample", F>, C> {
-    return this.#sampleFile(mesh, options, call);
+    return this.#send("sample", mesh, options, call);
   }
 
   /** Spreads points in space with the density in a file of voxels: NPY or TIFF. The default format is JSON. */
   async sampleVoxels<F extends VolumeFormat = "json", C extends Call = {}>(
     voxels: FileInput, options: VolumeOptions & { format?: F }, call?: C): Outcome<Answer<"/sample", F>, C> {
-    return this.#sampleFile(voxels, options, call);
+    return this.#send("sample", voxels, options, call);
   }
 
   /** Measures how evenly points are spread. The default format is JSON. */
   async analyze<F extends AnalyzeFormat = "json", C extends Call = {}>(
     request: AnalyzeRequest & { format?: F }, call?: C): Outcome<Answer<"/analyze", F>, C> {
     return this.#compute("analyze", { body: JSON.stringify(request), type: "application/json" }, call);
+  }
+
+  /** Measures points on the surface of a mesh in a file. */
+  async analyzeMesh<C extends Call = {}>(
+    mesh: FileInput, options: SurfaceAnalyzeOptions, call?: C): Outcome<SurfaceAnalysis, C> {
+    return this.#send("analyze", mesh, options, call);
   }
 
   /** Returns the formats, options, methods and limits of the server. */
@@ -89,12 +95,13 @@ export class Client extends Connection {
     return this.#compute(`halftone?${new URLSearchParams(parametersOf(options))}`, { body, type: "application/octet-stream" }, call);
   }
 
-  async #sampleFile(file: FileInput, options: object, call?: Call): Promise<any> {
+  /** Sends a file and options as a form. */
+  async #send(path: string, file: FileInput, options: object, call?: Call): Promise<any> {
     const body = new FormData();
     body.append("file", new Blob([await this.#contentOf(file, call) as BlobPart]));
     const texts = Object.entries(options).map(([name, value]) => [name, typeof value === "object" ? JSON.stringify(value) : value]);
     for (const [name, value] of parametersOf(Object.fromEntries(texts))) body.append(name, value);
-    return this.#compute("sample", { body }, call);
+    return this.#compute(path, { body }, call);
   }
 
   async #compute(path: string, content: RequestOptions, { job, ...options }: Call = {}): Promise<any> {

@@ -24,6 +24,10 @@ export type SurfaceOptions = Schemas["SurfaceOptions"];
 /** Options for points in space, with a file of voxels or, with the domain `solid`, of a mesh. */
 export type VolumeOptions = Schemas["VolumeOptions"];
 
+/** Options for the analysis of points on a mesh. `points` may also be the text of a file. */
+export type SurfaceAnalyzeOptions = Omit<Schemas["SurfaceAnalyzeOptions"], "points"> & { points: Schemas["Position"][] | string };
+export type SurfaceAnalysis = Schemas["SurfaceAnalysis"];
+
 export type HalftoneFormat = NonNullable<HalftoneOptions["format"]>;
 export type DeviceFormat = NonNullable<DeviceOptions["format"]>;
 export type SampleFormat = NonNullable<Schemas["SampleOptions"]["format"]>;

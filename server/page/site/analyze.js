@@ -12,17 +12,32 @@ const methods = capabilities.sample.methods.toReversed();  // CCDT comes last
 const maxInSpectrum = 131072;  // points; their spectrum has 8 million values
 const digits = 11;  // significant digits of the largest coordinates, so that two million points take less than 64 MiB
 const maxToCompare = 1024;  // points; CCVT takes a second for this number
+const maxCentres = 300;  // points of a mesh that may be the centre of the measured cube
 const whitest = 2.5;  // power at and above which pixels are white
+
+/** Returns the points in the largest cube around one of them that contains no vertex of the surface, and the cube. */
+function cubeInside(points, vertices) {
+  const distance = (p, q) => Math.max(Math.abs(p[0] - q[0]), Math.abs(p[1] - q[1]), Math.abs(p[2] - q[2]));
+  const step = Math.ceil(points.length / maxCentres);
+  const { half, centre } = points.filter((_, i) => i % step === 0)
+    .map((centre) => ({ centre, half: vertices.reduce((least, vertex) => Math.min(least, distance(centre, vertex)), Infinity) }))
+    .reduce((best, each) => (each.half > best.half ? each : best));
+  const inside = points.filter((point) => distance(point, centre) < half * (1 - 1e-9));  // also after rounding
+  const side = 2 * half;
+  return {
+    points: inside.map((point) => point.map((value, axis) => value - centre[axis] + half)),
+    domain: { type: "box", width: side, height: side, depth: side },
+  };
+}
 
 /**
  * Returns the points to measure and their domain: for a rectangle or a torus, all points; for other shapes, the
  * projected points in the largest square inside the shape, relative to its lower left corner. For points on a surface,
- * returns the file of the mesh instead of a domain. Throws for points inside a mesh.
+ * returns the file of the mesh instead of a domain.
  */
 function windowOf({ points, shape, surface, outline, places }) {
   if (shape.domain) return { points, domain: shape.domain };
-  if (shape.file?.mesh && !surface) throw new Error("Points inside a mesh cannot be measured");
-  if (shape.file?.mesh) return { points, mesh: shape.file.mesh };
+  if (surface) return { points, mesh: shape.file.mesh };
   const { x, y, side } = largestSquare(outline.rings);
   const inside = places.map(([px, py]) => [px - x, py - y])
     .filter(([px, py]) => px >= 0 && py >= 0 && px <= side && py <= side);
@@ -50,6 +65,7 @@ const notes = {
   map: "The points in the largest square inside the map are measured. Differences in density are part of the spectrum: they add power at low frequencies, near the middle and on the left.",
   polygon: "The points in the largest square inside the shape are measured. The square is treated as a window on a larger pattern.",
   space: "The points are measured in space. The picture is a slice of their spectrum.",
+  solid: "The points in the largest cube inside the mesh are measured. The cube is treated as a window on a larger pattern. The picture is a slice of their spectrum.",
   surface: "The points are measured on the surface, by its lowest Laplace-Beltrami modes instead of a spectrum.",
   halftone: "The light and dark areas of the picture are part of the spectrum: they add power at low frequencies, near the middle and on the left. The dots of all inks are measured together.",
 };
@@ -94,6 +110,10 @@ export class Analyze extends Panel {
     const { shape } = this.sample;
     if (!shape || this.sample.isMask) throw new Error("There are no points yet. Make some in the tab Sample");
     const result = this.sample.result ?? (await this.sample.fetch(signal, { onProgress: this.showJob }));
+    if (this.sample.isMesh && !result.surface) {
+      const { vertices } = await this.sample.surface(signal, this.showJob);
+      return { ...cubeInside(result.points, vertices), note: notes.solid };
+    }
     return { ...windowOf(result), note: notes[result.shape.domain?.depth ? "space" : result.shape.domain?.type ?? (result.surface ? "surface" : result.features ? "map" : "polygon")] };
   }
 
@@ -103,7 +123,7 @@ export class Analyze extends Panel {
       this.results = [];
       this.#show();
       const { points, domain, mesh, note } = await this.#pointsMade(signal);
-      if (points.length < 2) throw new Error("There are too few points in the largest square inside the shape");
+      if (points.length < 2) throw new Error("There are too few points in the part of the shape that is measured");
       this.find(".note").textContent = points.length > maxInSpectrum ? `${note} The picture of the spectrum is left out because there are too many points.` : note;
       await this.#measure("These points", mesh ? formOf(points, mesh) : bodyOf(points, domain), points.length, signal);
       const sites = Math.min(points.length, maxToCompare);

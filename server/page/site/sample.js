@@ -633,7 +633,7 @@ export class Sample extends Panel {
   #offerFields() {
     const isMap = this.#counting().counted.length > 0;
     const { isSurface, isVolume } = this;
-    const isFlat = !isSurface && !isVolume;
+    const isFlat = !this.#isSpatial;
     this.fields.offer("sites", !isMap && !this.isMask);
     this.fields.offer("method", !isMap && !this.isMask && isFlat);
     for (const { name } of surfaceFields) this.surfaceFields.offer(name, name === "domain" ? this.isMesh : isSurface);
@@ -687,12 +687,12 @@ export class Sample extends Panel {
     const options = this.options();
     if (draft && methodNamed(options.method).options.includes("quality") && !this.#isKept(options)) options.quality = "draft";
     const answer = await this.#frame(options, signal, onProgress);
-    const surface = this.isSurface && (answer.mesh ?? await this.#surface(signal, onProgress));
+    const surface = this.isSurface && (answer.mesh ?? await this.surface(signal, onProgress));
     return { ...answer, surface, shape, outline, places: answer.points.map(outline.project) };
   }
 
   /** Requests the surface to show: a triangulation of evenly spread points, because the page cannot read meshes. */
-  async #surface(signal, onProgress) {
+  async surface(signal, onProgress) {
     const { crease } = this.surfaceFields.values();
     const { mesh } = await this.#frame({ sites: shownVertices, quality: "draft", mesh: true, ...(crease && { crease }) }, signal, onProgress);
     return mesh;

@@ -12,7 +12,7 @@ namespace ccdt::api {
 namespace {
 
 const std::string kPoints = R"("points":[[0.1,0.2],[0.6,0.7],[0.3,0.9],[0.8,0.4]])";
-const std::string kSets = R"("sets":[[[1,1],[2,1]],[[0,0],[3,1.5]],[[0.5,0.5],[2.5,2]]])";
+const std::string kSets = R"("sets":[[[1,1],[2,1]],[[1,0.5],[3,1.5]],[[0.5,0.5],[2.5,2]]])";
 const std::string kSpacePoints = R"("points":[[0.1,0.2,0.3],[0.6,0.7,0],[0.3,0.9,1]])";
 const std::string kTorus = R"("domain":{"type":"torus","width":3,"height":2})";
 
@@ -81,9 +81,9 @@ TEST(AnalyzeRequest, ReadsPointsInSpace) {
     EXPECT_EQ(domain.sides, (Point3{1, 1, 1}));
     EXPECT_TRUE(domain.periodic);
     EXPECT_EQ(request->options.max_frequency, 2);
-    const auto box = parse('{' + kSpacePoints + R"(,"domain":{"type":"box","width":3,"height":2,"depth":4}})");
+    const auto box = parse('{' + kSpacePoints + R"(,"domain":{"type":"box","width":1.5,"height":1.25,"depth":2}})");
     ASSERT_TRUE(box) << box.error().message;
-    EXPECT_EQ(std::get<SpaceSets>(box->points).domain.sides, (Point3{3, 2, 4}));
+    EXPECT_EQ(std::get<SpaceSets>(box->points).domain.sides, (Point3{1.5, 1.25, 2}));
     EXPECT_FALSE(std::get<SpaceSets>(box->points).domain.periodic);
 }
 
@@ -131,7 +131,7 @@ TEST(AnalyzeRequest, RefusesMorePointsThanTheLimit) {
         EXPECT_EQ(request.error().field, field);
         EXPECT_NE(request.error().message.find("max-sites"), std::string::npos);
     }
-    EXPECT_TRUE(parse('{' + kSets + '}', "", {.max_sites = 6}));
+    EXPECT_TRUE(parse('{' + kSets + ',' + kTorus + '}', "", {.max_sites = 6}));
 }
 
 TEST(AnalyzeRequest, NegotiatesTheFormat) {
@@ -176,7 +176,7 @@ TEST(Analyze, HasNoLowFrequencyPowerForFourPoints) {
     EXPECT_TRUE(analyzed('{' + lattice(5) + '}').at("low_frequency_power").is_number());
 }
 
-TEST(Analyze, LocatesPointsThatCannotBeAnalyzed) {
+TEST(AnalyzeRequest, LocatesPointsThatCannotBeAnalyzed) {
     const std::vector<std::pair<std::string, std::string>> wrong = {
         {R"("points":[[0.5,0.5]])", "/points"},
         {R"("points":[])", "/points"},
@@ -191,15 +191,15 @@ TEST(Analyze, LocatesPointsThatCannotBeAnalyzed) {
         {R"("points":[[0,0,0],[1,1,1]],"domain":{"type":"box","width":1,"height":1,"depth":1})", "/points"},
     };
     for (const auto& [members, field] : wrong) {
-        const auto result = answer('{' + members + '}');
+        const auto result = parse('{' + members + '}');
         ASSERT_FALSE(result) << members;
         EXPECT_EQ(result.error().code, ErrorCode::Unusable) << members;
         EXPECT_EQ(result.error().field, field) << members;
     }
 }
 
-TEST(Analyze, NamesTheLimitOfTheTransform) {
-    const auto result = answer('{' + lattice(370) + R"(,"max_frequency":16})");
+TEST(AnalyzeRequest, NamesTheLimitOfTheTransform) {
+    const auto result = parse('{' + lattice(370) + R"(,"max_frequency":16})");
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code, ErrorCode::LimitExceeded);
     EXPECT_EQ(result.error().field, "/max_frequency");

@@ -48,10 +48,10 @@ TEST(PointFileReader, ReadsListsAnswersAndGeoJson) {
 
 TEST(PointFileReader, ReadsThreeCoordinatesOfPointsInSpace) {
     const std::vector<Point3> expected{{1, 2, 3}, {4, 5, 6}};
-    EXPECT_EQ(read_space_point_file("z,face,x,y\n3,0,1,2\n6,0,4,5\n", {}), expected);
-    EXPECT_EQ(read_space_point_file(array_of(4, {1, 2, 3, 9, 4, 5, 6, 9}), {}), expected);
-    EXPECT_EQ(read_space_point_file("[[1,2,3],[4,5,6]]", {}), expected);
-    EXPECT_EQ(read_space_point_file(R"({"seed":1,"points":[[1,2,3],[4,5,6]]})", {}), expected);
+    EXPECT_EQ(read_point_file3("z,face,x,y\n3,0,1,2\n6,0,4,5\n", {}), expected);
+    EXPECT_EQ(read_point_file3(array_of(4, {1, 2, 3, 9, 4, 5, 6, 9}), {}), expected);
+    EXPECT_EQ(read_point_file3("[[1,2,3],[4,5,6]]", {}), expected);
+    EXPECT_EQ(read_point_file3(R"({"seed":1,"points":[[1,2,3],[4,5,6]]})", {}), expected);
 }
 
 TEST(PointFileReader, ReadsTheVerticesOfAPly) {
@@ -60,7 +60,7 @@ TEST(PointFileReader, ReadsTheVerticesOfAPly) {
         "ply\r\nformat ascii 1.0\ncomment x\nelement vertex 2\nproperty uchar red\nproperty float z\n"
         "property float x\nproperty double y\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n"
         "7 3 1 2\n8 6 4 5\n";
-    EXPECT_EQ(read_space_point_file(text, {}), expected);
+    EXPECT_EQ(read_point_file3(text, {}), expected);
     EXPECT_EQ(read_point_file(text, {}), (Points{{1, 2}, {4, 5}}));
     std::string binary =
         "ply\nformat binary_little_endian 1.0\nelement vertex 2\nproperty float x\nproperty uchar red\n"
@@ -72,25 +72,25 @@ TEST(PointFileReader, ReadsTheVerticesOfAPly) {
         append(p.y);
         append(p.z);
     }
-    EXPECT_EQ(read_space_point_file(binary, {}), expected);
-    const auto message_of = [](const std::string& file) { return read_space_point_file(file, {}).error().message; };
+    EXPECT_EQ(read_point_file3(binary, {}), expected);
+    const auto message_of = [](const std::string& file) { return read_point_file3(file, {}).error().message; };
     EXPECT_NE(message_of(binary.substr(0, binary.size() - 1)).find("ends within its vertices"), std::string::npos);
     EXPECT_NE(message_of("ply\nformat ascii 1.0\nelement vertex 1\n").find("no end"), std::string::npos);
     EXPECT_NE(message_of(text.substr(0, text.size() - 2)).find("vertex 1 of the PLY has no finite y"),
               std::string::npos);
-    EXPECT_EQ(read_space_point_file(binary, {.max_sites = 1}).error().code, ErrorCode::LimitExceeded);
+    EXPECT_EQ(read_point_file3(binary, {.max_sites = 1}).error().code, ErrorCode::LimitExceeded);
 }
 
 TEST(PointFileReader, TellsPointsInSpaceByThePlyOrTheColumnZ) {
-    EXPECT_TRUE(is_space_point_file("ply\nformat ascii 1.0\n"));
-    EXPECT_TRUE(is_space_point_file("x,y,z\r\n1,2,3\r\n"));
-    EXPECT_FALSE(is_space_point_file("x,y,radius\n1,2,3\n"));
-    EXPECT_FALSE(is_space_point_file("[[1,2,3]]"));
-    EXPECT_FALSE(is_space_point_file(""));
+    EXPECT_TRUE(is_point_file3("ply\nformat ascii 1.0\n"));
+    EXPECT_TRUE(is_point_file3("x,y,z\r\n1,2,3\r\n"));
+    EXPECT_FALSE(is_point_file3("x,y,radius\n1,2,3\n"));
+    EXPECT_FALSE(is_point_file3("[[1,2,3]]"));
+    EXPECT_FALSE(is_point_file3(""));
 }
 
 TEST(PointFileReader, RefusesPointsInSpaceWithoutAThirdCoordinate) {
-    const auto message_of = [](const std::string& file) { return read_space_point_file(file, {}).error().message; };
+    const auto message_of = [](const std::string& file) { return read_point_file3(file, {}).error().message; };
     EXPECT_NE(message_of("x,y\n1,2\n").find("x, y and z"), std::string::npos);
     EXPECT_NE(message_of(array_of(2, {1, 2})).find("three columns"), std::string::npos);
     EXPECT_NE(message_of("[[1,2,3],[1,2]]").find("/1 must be a position [x, y, z]"), std::string::npos);
@@ -101,7 +101,7 @@ TEST(PointFileReader, RefusesPointsInSpaceWithoutAThirdCoordinate) {
     EXPECT_NE(message_of(array_of(3, {1, 2, NAN})).find("row 0"), std::string::npos);
     Limits one;
     one.max_sites = 1;
-    EXPECT_EQ(read_space_point_file("[[1,2,3],[4,5,6]]", one).error().code, ErrorCode::LimitExceeded);
+    EXPECT_EQ(read_point_file3("[[1,2,3],[4,5,6]]", one).error().code, ErrorCode::LimitExceeded);
 }
 
 TEST(PointFileReader, NamesTheLineRowOrPointerOfAFault) {

@@ -40,7 +40,7 @@ TEST(SurfaceAnalyzeRequest, ReadsEveryOption) {
     ASSERT_TRUE(request) << request.error().message;
     EXPECT_EQ(request->points, (std::vector<Point3>{{1, 2, 3}, {4, 5, 6}}));
     EXPECT_EQ(request->modes, 7U);
-    EXPECT_EQ(parse({{"points", "x,y,z\n1,2,3\n"}})->modes, 100U);
+    EXPECT_EQ(parse({{"points", "x,y,z\n1,2,3\n4,5,6\n"}})->modes, 100U);
     EXPECT_EQ(size_of(*request), 2 * sizeof(Point3));
 }
 
@@ -53,6 +53,7 @@ TEST(SurfaceAnalyzeRequest, LocatesErrorsByTheNameOfTheOption) {
         {{{"points", "[[1,2,3]]"}, {"modes", "501"}}, "modes"},
         {{{"points", "[[1,2,3]]"}, {"points", "[[1,2,3]]"}}, "points"},
         {{{"points", "[[1,2,3]]"}, {"domain", "{}"}}, "domain"},
+        {{{"points", "[[1,2,3]]"}, {"format", "png"}}, "format"},
     };
     for (const auto& [options, field] : cases) {
         const auto request = parse(options);
@@ -60,11 +61,14 @@ TEST(SurfaceAnalyzeRequest, LocatesErrorsByTheNameOfTheOption) {
         EXPECT_EQ(request.error().code, ErrorCode::Malformed);
         EXPECT_EQ(request.error().field, field);
     }
-    EXPECT_EQ(parse({{"points", "[[1,2,3]]"}}, "image/png").error().code, ErrorCode::NotAcceptable);
+    EXPECT_EQ(parse({{"points", "[[1,2,3],[4,5,6]]"}}, "image/png").error().code, ErrorCode::NotAcceptable);
+    EXPECT_TRUE(parse({{"points", "[[1,2,3],[4,5,6]]"}, {"format", "json"}}, "image/png"));
+    EXPECT_EQ(parse({{"points", "[[1,2]]"}}).error().message, "points/0 must be a position [x, y, z]");
     Limits one;
     one.max_sites = 1;
     EXPECT_EQ(parse({{"points", "[[1,2,3],[1,2,3]]"}}, "", one).error().code, ErrorCode::LimitExceeded);
-    const auto damaged = parse_surface_analyze(failure(ErrorCode::Unusable, "damaged"), {{"points", "[]"}}, "", {});
+    const auto damaged =
+        parse_surface_analyze(failure(ErrorCode::Unusable, "damaged"), {{"points", "[[1,2,3],[4,5,6]]"}}, "", {});
     EXPECT_EQ(damaged.error().message, "damaged");
 }
 
@@ -82,8 +86,8 @@ TEST(SurfaceAnalyzeAnswer, HasTheDistancesAndThePowerOfEachMode) {
     EXPECT_NEAR(json.at("low_frequency_power").get<double>(), 0, 0.01);
 }
 
-TEST(SurfaceAnalyzeAnswer, RefusesASinglePoint) {
-    const auto single = answer({file_of(2), {{0.25, 0.25, 5}}, 1});
+TEST(SurfaceAnalyzeRequest, RefusesASinglePoint) {
+    const auto single = parse({{"points", "[[0.25,0.25,5]]"}});
     ASSERT_FALSE(single);
     EXPECT_EQ(single.error().code, ErrorCode::Unusable);
     EXPECT_EQ(single.error().field, "points");

@@ -108,6 +108,11 @@ TEST(SurfaceRequest, NamesInvalidOptions) {
     }
 }
 
+TEST(SurfaceRequest, RefusesDensitiesThatAreZeroEverywhere) {
+    EXPECT_EQ(error_of({{"density", "[0,0]"}}).code, ErrorCode::Unusable);
+    EXPECT_EQ(error_of({{"density", "[]"}}).field, "density");
+}
+
 TEST(SurfaceRequest, ExplainsWhyPathsAreRefused) {
     EXPECT_NE(error_of({{"order", "path"}}).message.find("in the plane"), std::string::npos);
 }

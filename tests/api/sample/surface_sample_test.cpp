@@ -37,7 +37,7 @@ Result<Answer> answer(const TriangleSoup& soup, std::vector<TextOption> options,
     const auto request = parse_surface(SurfaceFile{}, options, "", {});
     if (!request) return tl::make_unexpected(request.error());
     Timings timings;
-    return run_in_space(*request, decode_to(soup, ignored), control, timings);
+    return run_sample3(*request, decode_to(soup, ignored), control, timings);
 }
 
 Json json_of(const Result<Answer>& result) {

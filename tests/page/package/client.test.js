@@ -81,9 +81,10 @@ test("maps are read from files", async () => {
 
 test("meshes are read from files", async () => {
   const options = { sites: 50, seed: 2, fixed: [[2, 0, 5]], mesh: true };
-  const { faces, mesh: { vertices } } = await client.sampleMesh(house, options);
+  const { faces, points, mesh: { vertices } } = await client.sampleMesh(house, options);
   assert.equal(faces.length, 50);
   const ply = await (await client.sampleMesh(house, { ...options, format: "ply" })).text();
+  assert.equal((await client.analyzeMesh(house, { points, modes: 5 })).power.length, 5);
   assert.match(ply, new RegExp(`^ply\nformat binary_little_endian 1.0\nelement vertex ${vertices.length}\n`));
 });
 

@@ -24,6 +24,7 @@ export const inside: Promise<Blob> = client.sampleMesh(picture, { sites: 9, doma
 export const voxels: Promise<string> = client.sampleVoxels(picture, { sites: 9, domain: { ...torus, depth: 2 }, format: "csv" });
 export const space: Promise<Blob> = client.sample({ sites: 9, domain: { ...torus, depth: 2 }, mesh: true, format: "msh" });
 export const measured: Promise<number> = client.analyze({ points: [[0, 0], [0.5, 0.5]] }).then((answer) => answer.mean_distance);
+export const onMesh: Promise<number[]> = client.analyzeMesh(picture, { points: [[0, 0, 0], [1, 1, 1]], modes: 9 }).then((answer) => answer.eigenvalues);
 export const limit: Promise<number> = client.capabilities().then((answer) => answer.limits.max_sites);
 
 export async function follow(options: HalftoneOptions): Promise<string> {
@@ -61,6 +62,8 @@ client.sample({ sites: true, domain: torus });
 client.sample({ sites: 9, domain: torus, color: "cmyk" });
 // @ts-expect-error: no points
 client.analyze({ max_frequency: 2 });
+// @ts-expect-error: no points
+client.analyzeMesh(picture, { modes: 9 });
 // @ts-expect-error: a Blob
 client.halftone(picture, { format: "png" }).then((answer) => answer.points);
 // @ts-expect-error: a job

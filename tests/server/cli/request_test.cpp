@@ -16,9 +16,7 @@ struct Line {
     Line(std::string_view name, const std::vector<const char*>& texts)
         : command(*find_command(name)), options(options_of(command)), arguments(*parse_arguments(options, texts)) {}
 
-    Result<ApiRequest> build(const std::string* input) const {
-        return build_request(command, arguments, input, "image/png");
-    }
+    Result<ApiRequest> build(const std::string* input) const { return build_request(command, arguments, input); }
 
     std::string format_for(const std::string& output) const {
         const auto format = find_format(command, arguments, output);
@@ -36,7 +34,6 @@ TEST(Request, PassesOptionsBesideAnInput) {
     const auto request = line.build(&input);
     ASSERT_TRUE(request);
     EXPECT_EQ(request->body, input);
-    EXPECT_EQ(request->accept, "image/png");
     ASSERT_EQ(request->options.size(), 3U);
     EXPECT_EQ(request->options[2].name, "antialias");
     EXPECT_EQ(request->options[2].value, "false");

@@ -85,7 +85,7 @@ TEST(Form, RequiresExactlyOnePicture) {
         ASSERT_FALSE(apart);
         EXPECT_EQ(apart.error().code, ErrorCode::Malformed);
         EXPECT_EQ(apart.error().field, "image");
-        const bool is_missing = apart.error().message.find("`image` or `file`") != std::string::npos;
+        const bool is_missing = apart.error().message.find("has no part `image` or `file`") != std::string::npos;
         EXPECT_EQ(is_missing, fields.size() < 2);
     }
 }

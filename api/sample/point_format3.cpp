@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/sample/space_format.h"
+#include "api/sample/point_format3.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "api/sample/space_request.h"
+#include "api/sample/sample_request3.h"
 #include "tests/fuzz/answer_checks.h"
 #include "tests/fuzz/checks.h"
 
@@ -44,7 +44,7 @@ void check_request(const Result<Request>& request, const api::Decode& decode, Ch
     check_cost(api::cost_of(*request));
     const auto run = [&] {
         api::Timings timings;
-        return api::run_in_space(*request, decode, {}, timings);
+        return api::run_sample3(*request, decode, {}, timings);
     };
     const auto answer = run();
     if (!answer) return check_error(answer.error());

@@ -22,12 +22,13 @@
 
 namespace ccdt::api {
 
-/// Format of an answer with points in space: a row of the table in surface_formats.cpp or volume_formats.cpp. The same
-/// points give the same bytes, unless the output contains the computing time.
+/// Format of an answer with points on a surface or in space, which have three coordinates: a row of the table in
+/// surface_formats.cpp or volume_formats.cpp. The same points give the same bytes, unless the output contains the
+/// computing time.
 /// @tparam Placed  PlacedSurface or PlacedVolume, whose read_row() replaces a vector by the values of a point in the
 ///                 columns()
 template <class Placed>
-struct SpaceFormat {
+struct PointFormat3 {
     /// Writes points, or their triangulation. After a stop, the output is incomplete. Errors: LimitExceeded or Unusable
     /// if the format cannot hold the points.
     using Write = Result<void>(const Placed& placed, Body& body, const std::stop_token& stop);
@@ -48,7 +49,7 @@ struct SpaceFormat {
 /// @param mesh  whether the triangulation was requested
 /// Errors: Malformed ("mesh").
 template <class Placed>
-Result<void> check_mesh(const SpaceFormat<Placed>& format, bool mesh) {
+Result<void> check_mesh(const PointFormat3<Placed>& format, bool mesh) {
     if (format.writer(mesh) != nullptr) return {};
     return failure(ErrorCode::Malformed,
                    "format=" + std::string(format.file.name) + " is a triangulation, which needs mesh=true", "mesh");

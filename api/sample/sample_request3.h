@@ -19,16 +19,19 @@
 #include "api/input/run_options.h"
 #include "api/run/deadline.h"
 #include "api/run/stopwatch.h"
-#include "api/sample/space_format.h"
+#include "api/sample/point_format3.h"
 
 namespace ccdt::api {
 
 /// Converts the fields of an error and of its `others`: to JSON Pointers for a JSON body, and otherwise to texts
-/// without a slash at the start.
+/// without a slash at the start. A message that begins with such a field is changed, too.
 inline Error locate(Error error, bool is_json) {
     std::string& field = error.field;
     if (is_json && !field.empty() && !field.starts_with('/')) field.insert(0, "/");
-    if (!is_json && field.starts_with('/')) field.erase(0, 1);
+    if (!is_json && field.starts_with('/')) {
+        if (error.message.starts_with(field)) error.message.erase(0, 1);
+        field.erase(0, 1);
+    }
     for (Error& other : error.others) other = locate(std::move(other), is_json);
     return error;
 }
@@ -41,18 +44,18 @@ inline Result<double> read_crease(const Input& input) {
 
 /// Members that requests for points on surfaces and in space share. A request also has the function formats(), which
 /// returns the formats of its answer.
-/// @tparam Run        options of the distribution
-/// @tparam AnyPlaced  points that are placed
-template <class Run, class AnyPlaced>
-struct SpaceRequest {
-    using Placed = AnyPlaced;
+/// @tparam Run     options of the distribution
+/// @tparam Points  placed points: PlacedSurface or PlacedVolume
+template <class Run, class Points>
+struct SampleRequest3 {
+    using Placed = Points;
 
     Run run;
     std::optional<double> crease;         ///< angle above which an edge of the mesh is a crease, radians
     PointOrder order = PointOrder::None;  ///< not Path
     OnStop on_deadline = OnStop::Error;
-    const SpaceFormat<Placed>* format = nullptr;  ///< never null in a parsed request
-    bool is_json = false;                         ///< whether options are members of a JSON body
+    const PointFormat3<Placed>* format = nullptr;  ///< never null in a parsed request
+    bool is_json = false;                          ///< whether options are members of a JSON body
 
     /// Converts an error about an option, such as `fixed/3`: if the body is JSON, Error::field becomes a JSON Pointer;
     /// otherwise it begins with the name of the option.
@@ -61,7 +64,7 @@ struct SpaceRequest {
 
 /// Adds the rules of the options that requests for points on surfaces and in space share. The first one is that of
 /// `crease`, which only meshes have.
-/// @tparam Request  a type derived from SpaceRequest
+/// @tparam Request  a type derived from SampleRequest3
 template <class Request, std::size_t kOwn>
 constexpr std::array<OptionRule<Request>, kOwn + 7> with_shared_rules(
     const std::array<OptionRule<Request>, kOwn>& own) {
@@ -71,24 +74,12 @@ constexpr std::array<OptionRule<Request>, kOwn + 7> with_shared_rules(
         {"seed", [](const Input& i, const Limits&, Request& r) { return read_seed(i, r.run); }},
         {"on_deadline",
          [](const Input& i, const Limits&, Request& r) { return assign(r.on_deadline, read_on_deadline(i)); }},
-        {"fixed",
-         [](const Input& i, const Limits& l, Request& r) { return assign(r.run.fixed, read_space_points(i, l)); }},
-        {"order", [](const Input& i, const Limits&, Request& r) { return assign(r.order, read_space_order(i)); }},
+        {"fixed", [](const Input& i, const Limits& l, Request& r) { return assign(r.run.fixed, read_points3(i, l)); }},
+        {"order", [](const Input& i, const Limits&, Request& r) { return assign(r.order, read_point_order3(i)); }},
         {"mesh", [](const Input& i, const Limits&, Request& r) { return assign(r.run.keep_mesh, read_boolean(i)); }},
     }};
     std::ranges::copy(own, rules.end() - kOwn);
     return rules;
-}
-
-/// Reads the options of a request by its rules. Errors: those of read_options(); Malformed if `sites` is missing.
-template <class Request>
-Result<void> read_with_sites(std::span<const OptionRule<Request>> rules, std::span<const Input> inputs,
-                             const Limits& limits, Request& request) {
-    ErrorList errors;
-    errors.add(read_options<Request>(rules, inputs, limits, request));
-    if (std::ranges::find(inputs, "sites", &Input::name) == inputs.end())
-        errors.add(Result<void>(failure(ErrorCode::Malformed, "sites is missing", "sites")));
-    return errors.result();
 }
 
 /// Chooses the format of the answer. Errors: those of negotiate() and check_mesh().
@@ -101,12 +92,12 @@ Result<void> settle_format(std::string_view accept, Request& request) {
 
 /// Writes placed points in the requested format, or in another one.
 ///
-/// @param placed  result of place_in_space() for `request`
-/// @param sink    as for run_in_space()
+/// @param placed  result of place_sample3() for `request`
+/// @param sink    as for run_sample3()
 /// Errors: those of the format; Malformed if the format needs the triangulation, and the request does not ask for it.
 template <class Run, class Placed>
-Result<Answer> write_answer(const SpaceRequest<Run, Placed>& request, const Placed& placed,
-                            const SpaceFormat<Placed>& format, const Control& control, Timings& timings,
+Result<Answer> write_answer(const SampleRequest3<Run, Placed>& request, const Placed& placed,
+                            const PointFormat3<Placed>& format, const Control& control, Timings& timings,
                             BodySink* sink = nullptr) {
     const auto located = [&](Error error) { return request.located(std::move(error)); };
     Stopwatch watch;
@@ -136,13 +127,13 @@ Result<Answer> write_answer(const SpaceRequest<Run, Placed>& request, const Plac
 /// @param sink     receives the body in pieces if the body is larger than Body::kMaxInMemory; null: the answer contains
 ///                 the whole body
 /// @returns        the answer; without its body if the sink received the body
-/// Errors: those of place_in_space() and of the format; LimitExceeded if the answer is too large for the format;
+/// Errors: those of place_sample3() and of the format; LimitExceeded if the answer is too large for the format;
 /// Stopped, unless points are already placed and the request accepts a partial result. The same request gives the same
 /// bytes, except for `elapsed_ms` in JSON.
 template <class Request>
-Result<Answer> run_in_space(const Request& request, const Decode& decode, const Control& control, Timings& timings,
-                            BodySink* sink = nullptr) {
-    const auto placed = place_in_space(request, decode, control, timings);
+Result<Answer> run_sample3(const Request& request, const Decode& decode, const Control& control, Timings& timings,
+                           BodySink* sink = nullptr) {
+    const auto placed = place_sample3(request, decode, control, timings);
     if (!placed) return tl::unexpected(placed.error());
     return write_answer(request, *placed, *request.format, control, timings, sink);
 }
