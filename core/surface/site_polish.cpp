@@ -18,7 +18,7 @@ namespace ccdt {
 namespace {
 
 constexpr std::uint32_t kNone = SurfaceTriangulation::kNone;
-constexpr std::size_t kSites = 4096;  ///< sites per task
+constexpr std::size_t kSites = 1024;  ///< sites per task
 
 /// Averages the errors of sites with those of their neighbours a few times. Keeps the sum of the errors.
 void smooth(const SurfaceTriangulation& mesh, std::span<double> errors) {
@@ -115,10 +115,12 @@ void SitePolish::even_out() {
 
 /// Moves the sites. Sites keep half a row of distance from borders and creases.
 void SitePolish::apply() {
-    FirstRow row;
-    row.find(mesh_);
-    row.keep_off_vertices(mesh_, spacings_, kFirstRow, moves_);
-    row.keep_off_edges(mesh_, spacings_, kFirstRow, moves_);
+    if (mesh_.vertex_count() > mesh_.site_count()) {
+        FirstRow row;
+        row.find(mesh_);
+        row.keep_off_vertices(mesh_, spacings_, kFirstRow, moves_);
+        row.keep_off_edges(mesh_, spacings_, kFirstRow, moves_);
+    }
     const SiteOrder order(mesh_, [&](std::uint32_t site) { return moves_[site] != Point3{}; });
     order.for_sites(stop_, [&](std::uint32_t site) { mesh_.move(site, moves_[site]); });
 }

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "core/mesh/triangle_links.h"
-#include "core/surface/face_tree.h"
 
 namespace ccdt {
 
@@ -120,7 +119,7 @@ struct Surface::Walk {
 
 struct Surface::Tree {
     std::once_flag once;
-    std::optional<FaceTree> faces;  ///< built by the first call of nearest()
+    std::optional<FaceTree> faces;  ///< built by the first call of tree()
 };
 
 Surface::Surface() = default;
@@ -389,25 +388,28 @@ void Surface::cross_edge(Walk& walk) const {
     walk.distance = std::max(0.0, walk.distance);
 }
 
-SurfacePoint Surface::nearest(Point3 p) const {
+const FaceTree& Surface::tree() const {
     std::call_once(tree_->once, [this] {
-        std::vector<std::uint32_t> solid;
-        for (std::uint32_t f = 0; f < face_count(); ++f) {
-            if (!faces_[f].links.flat) solid.push_back(f);
-        }
-        // The surface may move, but its vertices and faces stay in place.
-        tree_->faces.emplace(solid, [vertices = vertices_.data(), faces = faces_.data()](std::uint32_t f) {
-            const auto& [a, b, c] = faces[f].links.corners;
-            return std::array{vertices[a], vertices[b], vertices[c]};
-        });
+        std::vector<FaceTree::Face> faces;
+        for (std::uint32_t f = 0; f < face_count(); ++f) faces.push_back({corners(f), f, faces_[f].links.flat});
+        tree_->faces.emplace(vertices_, std::move(faces));  // the surface may move, but its vertices stay in place
     });
+    return *tree_->faces;
+}
+
+SurfacePoint Surface::nearest(Point3 p) const {
     // From far away, the direction determines the nearest point.
     constexpr double kFar = 1e6, kFarthest = 1e300;
     for (double* value : {&p.x, &p.y, &p.z}) *value = std::clamp(*value, -kFarthest, kFarthest);
     if (const double size = largest(p); size > kFar) p = kFar / size * p;
 
-    const FaceTree::Nearest found = tree_->faces->nearest(p);
-    return {found.face, found.weights};
+    return nearest_within(p, Extent::kInfinity).value();
+}
+
+std::optional<SurfacePoint> Surface::nearest_within(Point3 p, double distance) const {
+    const auto found = tree().nearest(p, distance);
+    if (!found) return std::nullopt;
+    return SurfacePoint{found->face, found->weights};
 }
 
 }  // namespace ccdt

@@ -13,6 +13,7 @@
 
 #include "core/geometry/point3.h"
 #include "core/result.h"
+#include "core/surface/face_tree.h"
 #include "core/surface/surface_note.h"
 #include "core/surface/surface_repair.h"
 #include "core/surface/triangle_soup.h"
@@ -71,6 +72,11 @@ public:
     /// Whether an edge is on the border or a crease. Points do not cross such edges.
     bool is_crease(std::uint32_t edge) const { return (faces_[edge / 4].creases >> edge % 4 & 1) != 0; }
 
+    /// Loads a face into the cache before it is used.
+    void prefetch(std::uint32_t face) const {
+        __builtin_prefetch(&faces_[face].links);
+        __builtin_prefetch(&faces_[face].normal);
+    }
     std::array<Point3, 3> places(std::uint32_t face) const {
         const auto& [a, b, c] = faces_[face].links.corners;
         return {vertices_[a], vertices_[b], vertices_[c]};
@@ -118,9 +124,13 @@ public:
     /// Returns the point of the surface that is nearest to p, in the unit frame. Faces without area do not count.
     /// @param p  may be infinite, but not NaN
     ///
-    /// Several threads may call it at once. O(log faces), typically; the first call builds a tree in
-    /// O(faces log faces).
+    /// Several threads may call it at once. O(log faces), typically.
     SurfacePoint nearest(Point3 p) const;
+    /// Returns the same point for a finite p if its distance is less than `distance`; otherwise none. Faster.
+    std::optional<SurfacePoint> nearest_within(Point3 p, double distance) const;
+
+    /// The search tree of all faces. The first call builds it, in O(faces log faces).
+    const FaceTree& tree() const;
 
 private:
     struct Tree;

@@ -225,17 +225,20 @@ void SurfaceTriangulation::insert_sites(std::vector<std::uint32_t> face_of, cons
 
 std::size_t SurfaceTriangulation::restore_delaunay(const std::stop_token& stop) {
     constexpr std::size_t kMostPerEdge = 10;
-    std::vector<std::uint8_t> is_changed(links_.triangle_count(), 0);
+    constexpr std::size_t kTriangles = 1024;  // per task
     const auto is_moved = [&](std::uint32_t v) { return moved_[v] != 0; };
-    for (std::uint32_t t = 0; t < is_changed.size(); ++t)
-        is_changed[t] = !links_.is_removed(t) && std::ranges::any_of(corners(t), is_moved) ? 1 : 0;
-    for (std::uint32_t t = 0; t < is_changed.size(); ++t) {
-        for (std::uint32_t i = 0; i < 3 && !links_.is_removed(t); ++i) {
-            const std::uint32_t h = Links::edge(t, i), twin = links_.twin(h);
-            if (twin == kNone || twin < h || (is_changed[t] | is_changed[twin / 4]) == 0) continue;
-            if (wants_flip(h)) stack_.push_back(h);
+    std::vector<std::vector<std::uint32_t>> found(links_.triangle_count() / kTriangles + 1);
+    for_ranges(*executor_, links_.triangle_count(), kTriangles, [&](std::size_t begin, std::size_t end) {
+        for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
+            for (std::uint32_t i = 0; i < 3 && !links_.is_removed(t); ++i) {
+                const std::uint32_t h = Links::edge(t, i), twin = links_.twin(h);
+                if (twin == kNone || twin < h) continue;
+                if (std::ranges::none_of(corners(t), is_moved) && !is_moved(links_.apex(twin))) continue;
+                if (wants_flip(h)) found[begin / kTriangles].push_back(h);
+            }
         }
-    }
+    });
+    for (const auto& edges : found) stack_.insert(stack_.end(), edges.begin(), edges.end());
     const std::size_t most = kMostPerEdge * links_.triangle_count(), flips = legalise(most, stop);
     if (flips < most && !stop.stop_requested()) std::ranges::fill(moved_, std::uint8_t{0});
     return flips;

@@ -13,8 +13,6 @@ namespace ccdt {
 
 namespace {
 
-constexpr double kMostColumns = 1024;      ///< largest number of columns along an axis
-constexpr double kListsPerFace = 16;       ///< largest mean number of lists that contain a face
 constexpr double kMeasureCells = 1 << 18;  ///< cells by which the volume is measured
 constexpr double kLeastVolume = 1e-15;     ///< least volume of a solid, in the unit frame
 
@@ -121,7 +119,6 @@ Solid::Solid(Surface surface, const std::stop_token& stop) : surface_(std::move(
     sides_ = box.max;
     bounds_ = {surface_.to_input(box.min), surface_.to_input(box.max)};
     orient_shells(stop);
-    list_columns(stop);
 }
 
 double Solid::volume() const {
@@ -154,58 +151,16 @@ void Solid::orient_shells(const std::stop_token& stop) {
     }
 }
 
-std::size_t Solid::column(double v, std::size_t axis) const {
-    const double side = axis == 0 ? sides_.y : sides_.z, count = static_cast<double>(columns_[axis]);
-    return side > 0 ? static_cast<std::size_t>(std::clamp(v / side * count, 0.0, count - 1)) : 0;
-}
-
-void Solid::list_columns(const std::stop_token& stop) {
-    struct Range {
-        std::size_t first_y, last_y, first_z, last_z;
-    };
-    const auto range_of = [&](std::uint32_t face) {
-        const Box3 box = bounds_of(surface_.places(face));
-        return Range{column(box.min.y, 0), column(box.max.y, 0), column(box.min.z, 1), column(box.max.z, 1)};
-    };
-    const auto faces = static_cast<std::uint32_t>(surface_.face_count());
-    double along_axis = std::clamp(std::sqrt(static_cast<double>(faces)), 1.0, kMostColumns);
-    // Long faces can be in many columns. Fewer, wider columns then limit the memory.
-    for (double total = 0;; along_axis /= 2) {
-        const auto count = static_cast<std::size_t>(std::max(1.0, along_axis));
-        columns_ = {count, count};
-        total = 0;
-        for (std::uint32_t face = 0; face < faces && !stop.stop_requested(); ++face) {
-            const Range range = range_of(face);
-            total += static_cast<double>((range.last_y - range.first_y + 1) * (range.last_z - range.first_z + 1));
-        }
-        if (count == 1 || total <= kListsPerFace * faces) break;
-    }
-    const auto for_columns = [&](std::uint32_t face, auto&& function) {
-        const Range range = range_of(face);
-        for (std::size_t z = range.first_z; z <= range.last_z; ++z) {
-            for (std::size_t y = range.first_y; y <= range.last_y; ++y) function(z * columns_[0] + y);
-        }
-    };
-    begins_.assign(columns_[0] * columns_[1] + 1, 0);
-    for (std::uint32_t face = 0; face < faces && !stop.stop_requested(); ++face)
-        for_columns(face, [&](std::size_t at) { ++begins_[at]; });
-    std::partial_sum(begins_.begin(), begins_.end(), begins_.begin());
-    faces_.resize(begins_.back());
-    for (std::uint32_t face = faces; face-- > 0 && !stop.stop_requested();)
-        for_columns(face, [&](std::size_t at) { faces_[--begins_[at]] = face; });
-}
-
-/// Calls function(x, step) for each face that the line through p along x crosses. The winding number decreases by
-/// `step` where the line crosses the face at x, in the direction of increasing x.
+/// Calls function(x, step) for each face that the half-line from p in the direction of x crosses, and for some behind
+/// it. The winding number decreases by `step` where the half-line crosses the face at x.
 template <class Function>
 void Solid::for_crossings(Point3 p, Function&& function) const {
-    const std::size_t at = column(p.z, 1) * columns_[0] + column(p.y, 0);
-    for (std::uint32_t k = begins_[at]; k < begins_[at + 1]; ++k) {
-        const auto places = surface_.places(faces_[k]);
+    surface_.tree().for_faces_on_ray(p, [&](std::uint32_t face) {
+        const auto places = surface_.places(face);
         const auto& [a, b, c] = places;
         const int turns = edge_winding(a, b, p) + edge_winding(b, c, p) + edge_winding(c, a, p);
-        if (turns != 0) function(crossing(places, p), inverted_[faces_[k]] ? -turns : turns);
-    }
+        if (turns != 0) function(crossing(places, p), inverted_[face] ? -turns : turns);
+    });
 }
 
 bool Solid::holds(Point3 p) const {
@@ -226,6 +181,7 @@ bool Solid::find_interior() {
         if (width <= widest) continue;
         widest = width;
         middle = 1. / 3 * (a + b + c);
+        middle.x = 0;
     }
     std::vector<std::pair<double, int>> crossings;
     for_crossings(middle, [&](double x, int step) { crossings.emplace_back(x, step); });

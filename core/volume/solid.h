@@ -47,7 +47,7 @@ public:
     Point3 sides() const { return sides_; }
     /// Whether a point in the unit frame is inside. Wrong only for points whose distance from the surface is as small
     /// as rounding errors, even if the line through the point along x meets edges or vertices. Several threads may call
-    /// it at once. Usually O(sqrt(faces)).
+    /// it at once. O(log faces), typically.
     bool holds(Point3 p) const;
 
     /// A point inside, in the unit frame.
@@ -75,9 +75,7 @@ private:
     template <class Function>
     void for_crossings(Point3 p, Function&& function) const;
     void orient_shells(const std::stop_token& stop);
-    void list_columns(const std::stop_token& stop);
     bool find_interior();
-    std::size_t column(double v, std::size_t axis) const;
 
     Surface surface_;
     Point3 sides_;
@@ -85,10 +83,6 @@ private:
     double volume_ = 0;  ///< in the unit frame
     Point3 interior_;
     std::vector<bool> inverted_;  ///< [faces] whether most triangles of the face's shell were turned over
-    /// A grid on the yz plane. Each cell lists the faces whose projection along x may meet it.
-    std::array<std::size_t, 2> columns_{};
-    std::vector<std::uint32_t> begins_;  ///< [z][y] of each cell, and the end
-    std::vector<std::uint32_t> faces_;   ///< lists of all cells
 };
 
 }  // namespace ccdt

@@ -73,8 +73,12 @@ SolidDomain::SolidDomain(const Solid& solid, const Solid::Coverage& coverage) : 
     depths_ = std::move(depths);
 }
 
-double SolidDomain::clearance(Point3 p) const {
-    return (std::abs(depths_->grid[depths_->index(p)]) - 1) * depths_->cell;
+std::optional<Point3> SolidDomain::foot_within(Point3 p, double distance) const {
+    const double clearance = (std::abs(depths_->grid[depths_->index(p)]) - 1) * depths_->cell;
+    if (clearance > distance) return std::nullopt;
+    const auto near = surface().nearest_within(p, distance);
+    if (!near) return std::nullopt;
+    return surface().place(*near);
 }
 
 bool SolidDomain::contains(Point3 p) const {

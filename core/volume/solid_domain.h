@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/geometry/point3.h"
@@ -42,9 +43,9 @@ public:
 
     const Surface& surface() const { return solid_->surface(); }
     /// Returns the nearest point of the surface.
-    Point3 foot(Point3 p) const { return solid_->surface().place(solid_->surface().nearest(p)); }
-    /// Returns a lower bound of the distance of a point from the surface; it may be negative. O(1).
-    double clearance(Point3 p) const;
+    Point3 foot(Point3 p) const { return surface().place(surface().nearest(p)); }
+    /// Returns the same point if its distance from p is less than `distance`; otherwise none. Faster.
+    std::optional<Point3> foot_within(Point3 p, double distance) const;
 
     /// Calls function(copy, is_original) for a point and its copy. The copy is the mirror image at the nearest point of
     /// the surface. It is left out if it is inside the solid, which can happen at a narrow gap.
@@ -53,10 +54,9 @@ public:
     template <class Function>
     void for_copies(Point3 p, double distance, Function&& function) const {
         function(p, true);
-        if (clearance(p) > distance) return;
-        const Point3 step = foot(p) - p;
-        if (length(step) > distance) return;
-        if (const Point3 image = p + 2 * step; !contains(image)) function(image, false);
+        const auto near = foot_within(p, distance);
+        if (!near) return;
+        if (const Point3 image = p + 2 * (*near - p); !contains(image)) function(image, false);
     }
 
 private:

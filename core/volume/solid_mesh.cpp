@@ -37,9 +37,7 @@ std::vector<Point3> surface_vertices(const SolidDomain& domain, const VolumeSpac
     }
     creases = places.size();
     for (const Point3 p : points) {
-        const double reach = kFirstLayer * spacing.side(p);
-        if (domain.clearance(p) > reach) continue;
-        if (const Point3 foot = domain.foot(p); length(foot - p) < reach) places.push_back(foot);
+        if (const auto foot = domain.foot_within(p, kFirstLayer * spacing.side(p))) places.push_back(*foot);
     }
     if (places.empty()) return places;
     // Feet that are close to an earlier vertex are left out.

@@ -19,7 +19,7 @@ RULES = (
     (re.compile(r"^server/"), ("server/",)),
     (re.compile(r"^api/"), ("api/", "server/")),
     (re.compile(r"^CGAL/"),
-     ("core/geometry/delaunay.cpp", "core/geometry/delaunay3.cpp", "core/surface/face_tree.cpp")),
+     ("core/geometry/delaunay.cpp", "core/geometry/delaunay3.cpp")),
     (re.compile(r"^gemmi/"), ("core/fourier/pocketfft_lines.h",)),
     (re.compile(r"^OpenImageIO/"), ("api/image/library_reader.cpp",)),
     (re.compile(r"^lcms2"), ("api/image/colour_profile.cpp",)),

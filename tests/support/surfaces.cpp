@@ -143,6 +143,21 @@ TriangleSoup torus_surface(double major, double minor, int columns, int rows) {
     });
 }
 
+TriangleSoup needle_prism(int sides) {
+    const Point3 axis = std::sqrt(3.0) * Point3{1, 1, 1};
+    const Point3 x = std::sqrt(0.125) * Point3{1, -1, 0}, y = std::sqrt(1.0 / 24) * Point3{1, 1, -2};
+    TriangleSoup soup{.vertices = {{}, axis}};
+    const auto count = static_cast<std::uint32_t>(sides);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const auto [cos, sin] = on_circle(static_cast<double>(i) / sides);
+        const Point3 corner = cos * x + sin * y;
+        soup.vertices.insert(soup.vertices.end(), {corner, corner + axis});
+        const std::uint32_t a = 2 + 2 * i, b = 2 + 2 * ((i + 1) % count);
+        soup.triangles.insert(soup.triangles.end(), {{0, a, b}, {1, b + 1, a + 1}, {a, b + 1, b}, {a, a + 1, b + 1}});
+    }
+    return soup;
+}
+
 TriangleSoup moebius_strip(int columns, int rows) {
     return grid_surface(columns, rows, [](double u, double v) {
         // The last column is the first one, upside down.

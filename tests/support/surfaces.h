@@ -27,6 +27,10 @@ TriangleSoup sphere_surface(int levels);
 /// Returns a torus around the z axis, oriented outwards.
 TriangleSoup torus_surface(double major, double minor, int columns, int rows);
 
+/// Returns a prism of radius 0.5 and length 3 around the diagonal of the coordinates, beginning at the origin. All
+/// faces are long and thin. The distance of its sides from the diagonal is 0.5 cos(pi / sides).
+TriangleSoup needle_prism(int sides);
+
 /// Returns a strip with one half turn around a circle of radius 1.
 TriangleSoup moebius_strip(int columns, int rows);
 

@@ -392,6 +392,29 @@ TEST(Surface, FindsNearestPoints) {
     }
 }
 
+TEST(Surface, FindsNearestPointsAmongNeedlesAndWithinADistance) {
+    const Surface surface = made(test::needle_prism(100)).surface;
+    Random random(3, 1);
+    for (int i = 0; i < 200; ++i) {
+        const Point3 p{random.uniform() * 2 - 0.5, random.uniform() * 2 - 0.5, random.uniform() * 2 - 0.5};
+        const double distance = length(surface.place(surface.nearest(p)) - p);
+        for (std::uint32_t face = 0; face < surface.face_count(); ++face) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                for (const double t : {0.0, 0.25, 0.5}) {
+                    SurfacePoint other{face, {}};
+                    other.weights[k] = 1 - t;
+                    other.weights[(k + 1) % 3] = t;
+                    ASSERT_GE(length(surface.place(other) - p), distance - 1e-12);
+                }
+            }
+        }
+        EXPECT_FALSE(surface.nearest_within(p, distance * (1 - 1e-9)));
+        const auto near = surface.nearest_within(p, distance * (1 + 1e-9));
+        ASSERT_TRUE(near);
+        EXPECT_EQ(length(surface.place(*near) - p), distance);
+    }
+}
+
 /// Returns triangles between vertices on a small grid, so that many coincide, overlap, or have no area.
 TriangleSoup random_soup(Random& random) {
     const auto below = [&random](double n) { return static_cast<std::uint32_t>(random.uniform() * n); };

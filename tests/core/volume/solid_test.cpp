@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/random.h"
 #include "tests/support/solids.h"
 
 namespace ccdt {
@@ -56,6 +57,21 @@ TEST(Solid, SubtractsCavitiesAndCountsOverlapsOnce) {
     EXPECT_NEAR(pair.volume(), 1.875, 0.02);
     EXPECT_TRUE(pair.contains({0.75, 0.75, 0.75}));
     EXPECT_FALSE(pair.contains({1.25, 0.25, 0.25}));
+}
+
+TEST(Solid, ContainsTheInsideOfAPrismOfNeedles) {
+    constexpr int kSides = 1000;
+    const Solid prism = solid_of(test::needle_prism(kSides));
+    const double radius = 0.5 * std::cos(std::numbers::pi / kSides), along = 1 / std::sqrt(3.0);
+    EXPECT_NEAR(prism.volume(), 3 * std::numbers::pi * 0.25, 1e-4);
+    Random random(5, 1);
+    const auto coordinate = [&] { return 4 * random.uniform() - 1; };
+    for (int i = 0; i < 2000; ++i) {
+        const Point3 p{coordinate(), coordinate(), coordinate()};
+        const double at = along * (p.x + p.y + p.z), off = std::sqrt(dot(p, p) - at * at);
+        if (off > radius && off < 0.5) continue;
+        EXPECT_EQ(prism.contains(p), at > 0 && at < 3 && off < radius);
+    }
 }
 
 TEST(Solid, DoesNotDependOnTheOrientationOfTheSoup) {
