@@ -25,14 +25,14 @@ PointOrder order_of(const SampleRequest& request) {
     return order == PointOrder::Path && is_vector ? PointOrder::None : order;
 }
 
-bool is_even(const SampleRequest& request, const Domain& domain) {
-    return domain.is_torus() && std::holds_alternative<std::monostate>(request.density) && request.run.fixed.empty();
+bool is_uniform(const SampleRequest& request) {
+    return std::holds_alternative<std::monostate>(request.density) && !request.counts && request.run.fixed.empty();
 }
 
 std::vector<std::uint32_t> progressive(const SampleRequest& request, const Domain& domain,
                                        std::span<const Point> points, const Control& control) {
     if (request.region.is_on_globe()) return progressive_order_on_globe(points, control.stop, *control.executor);
-    return progressive_order(domain, points, is_even(request, domain), control.stop, *control.executor);
+    return progressive_order(domain, points, is_uniform(request), control.stop, *control.executor);
 }
 
 /// Checks that the ordering was not stopped, unless partial results are accepted.

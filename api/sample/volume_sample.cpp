@@ -143,11 +143,11 @@ void order_points(const VolumeRequest& request, const Solid* solid, const VoxelD
                   VolumeDistribution& dots) {
     if (request.order != PointOrder::Progressive) return;
     const auto& [sides, periodic] = request.domain;
-    const bool is_even = solid == nullptr && periodic && density.is_uniform() && request.run.fixed.empty();
+    const bool uniform = density.is_uniform() && request.run.fixed.empty();
     const Box3 box = solid == nullptr ? Box3{{}, sides} : solid->bounds();
     const double share = solid == nullptr ? 1 : std::min(1.0, solid->share());
     set_order(dots,
-              progressive_order_in_space(box, solid == nullptr && periodic, dots.points, share, is_even, control.stop,
+              progressive_order_in_space(box, solid == nullptr && periodic, dots.points, share, uniform, control.stop,
                                          *control.executor),
               control.stop);
 }

@@ -61,8 +61,7 @@ std::vector<std::uint32_t> progressive_order(const Domain& domain, std::span<con
     const auto made = make_domain(domain, true, control.stop).domain;
     const auto given = core_points(points, "points");
     check_inside(made.bounds(), given);
-    const bool even = uniform && made.is_torus();
-    auto order = ccdt::progressive_order(made, given, even, control.stop, execution.executor());
+    auto order = ccdt::progressive_order(made, given, uniform, control.stop, execution.executor());
     execution.check_stop();
     return order;
 }

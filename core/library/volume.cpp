@@ -68,8 +68,8 @@ private:
     ccdt::VolumeDistribution ordered(ccdt::VolumeDistribution placed, const ccdt::Box3& box, bool is_torus,
                                      double share) const {
         if (!progressive) return placed;
-        const bool is_even = is_torus && density.is_uniform() && options.fixed.empty();
-        reorder(placed, progressive_order_in_space(box, is_torus, placed.points, share, is_even,
+        const bool uniform = density.is_uniform() && options.fixed.empty();
+        reorder(placed, progressive_order_in_space(box, is_torus, placed.points, share, uniform,
                                                    execution.control().stop, execution.executor()));
         placed.stopped = placed.stopped || execution.control().stop.stop_requested();
         return placed;
