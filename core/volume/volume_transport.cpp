@@ -17,18 +17,21 @@ constexpr double kLimit = 0.55;
 /// be precise, nearly six. SemicircleKernel documents the errors.
 constexpr double kCellsPerSpacing = 1.8, kPreciseCells = 3.2;
 constexpr std::size_t kCells = 512;  ///< cells per task
-/// Largest density that octave 0 resolves, relative to the mean density.
-constexpr double kMaxContrast = 4;
-/// Limit on the cells of octave 0: kMostVolumes times the cells of a domain that fills its bounding box, or
-/// kFewestCells if that is more. A solid that fills a small part of its bounding box reaches this limit. With its
-/// margin, the grid of a thin box may have twice as many.
-constexpr double kMostVolumes = 3.8, kFewestCells = 1 << 17;
+/// Largest density that octave 0 resolves, relative to the mean density. In a ball with the density 1 / r^2, the
+/// density is 15 at the average site.
+constexpr double kMaxContrast = 16;
+/// Limits on the cells of octave 0. The cells for a domain that fills its bounding box, without contrast, are the unit
+/// of kMostVolumes, which bounds the memory per site: a solid that fills a small part of its bounding box reaches it.
+/// Few sites may have as many cells as kMaxContrast needs, up to kManyCells, and any number of sites kFewestCells. With
+/// its margin, the grid of a thin box may have twice as many.
+constexpr double kMostVolumes = 3.8, kFewestCells = 1 << 17, kManyCells = 1 << 19;
 
 /// Returns the spacing that octave 0 resolves, in a grid with `cells` cells per spacing.
 /// @param contrast  mean density at the points, relative to the mean density of the box
 double finest_spacing(const BoxDomain3& box, double contrast, const VolumeSpacing& spacing, double points,
                       double cells) {
-    const double most = std::max(kFewestCells, kMostVolumes * std::pow(cells, 3) * points);
+    const double volume = std::pow(cells, 3) * points;
+    const double most = std::max({kFewestCells, kMostVolumes * volume, std::min(kManyCells, kMaxContrast * volume)});
     double finest =
         std::max(spacing.mean() / std::cbrt(std::min(contrast, kMaxContrast)), cells * std::cbrt(box.volume() / most));
     // Thin domains have more cells, because each axis has at least kMinCells, and a margin.
