@@ -52,6 +52,7 @@ Result<VoxelDensity> VoxelDensity::create(const std::array<std::size_t, 3>& voxe
     }
     const double total = sums.back();
     for (double& sum : sums) sum /= total;
+    density.largest_ = static_cast<double>(values.size()) / total;
     density.contrast_ = squares / total * (static_cast<double>(values.size()) / total);
     return density;
 }
