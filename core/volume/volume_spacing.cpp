@@ -48,14 +48,14 @@ VolumeSpacing::VolumeSpacing(const BoxDomain3& domain, const VoxelDensity& densi
                              Executor& executor, const std::stop_token& stop)
     : mean_(std::cbrt(domain.volume() / static_cast<double>(points))), domain_sides_(domain.sides) {
     if (density.is_uniform()) return;
-    many_ = kMany * density.voxel_count() / static_cast<double>(points);
-    if (density.largest() >= many_) crowded_ = &density;
     const auto cells = [&](double side) {
         return static_cast<std::size_t>(std::clamp(std::ceil(kCellsPerSpacing * side / mean_), 2.0, kMostCells));
     };
     cells_ = {cells(domain.sides.x), cells(domain.sides.y), cells(domain.sides.z)};
     const auto [columns, rows, layers] = cells_;
     sides_.resize(columns * rows * layers);
+    many_ = kMany * density.voxel_count() / static_cast<double>(points);
+    if (density.voxel_count() > static_cast<double>(sides_.size()) && density.largest() >= many_) crowded_ = &density;
     const auto place = [&](std::size_t cell, std::size_t axis) {
         return (static_cast<double>(cell) + 0.5) / static_cast<double>(cells_[axis]) * along(domain_sides_, axis);
     };

@@ -48,7 +48,7 @@ private:
     double mean_;
     Point3 domain_sides_;
     std::array<std::size_t, 3> cells_{};
-    const VoxelDensity* crowded_ = nullptr;  ///< the density, if a voxel has many points
+    const VoxelDensity* crowded_ = nullptr;  ///< the density, if a small voxel has many points
     double many_ = 0;                        ///< density of a voxel with many points, relative to the mean density
     std::vector<float> sides_;  ///< [z][y][x] sides at the centres of cells; empty if the density is uniform
 };
