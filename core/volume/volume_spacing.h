@@ -15,8 +15,8 @@
 namespace ccdt {
 
 /// The local spacing of points: the side of the cube around a place that holds one of the wanted points. If the density
-/// varies, sides are computed on a grid and interpolated. A voxel with many points can be smaller than the cells of the
-/// grid, so it has the spacing of its own density, if that is shorter.
+/// varies, sides are computed on a grid and interpolated. If voxels are smaller than the cells of the grid, a voxel
+/// with many points has the spacing of its own density, if that is shorter.
 class VolumeSpacing {
 public:
     /// Largest distance at which another site pushes a site, relative to the site's own reach. It is a limit only where
