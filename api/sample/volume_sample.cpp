@@ -233,7 +233,7 @@ Cost cost_of(const VolumeRequest& request) {
                                                      {260, 31 * kMicrosecond},
                                                      {300, 60 * kMicrosecond},
                                                      {550, 77 * kMicrosecond}}};  // stealthy
-    constexpr Estimate kUneven{50, 65 * kMicrosecond}, kSolid{250, 65 * kMicrosecond};
+    constexpr Estimate kUneven{260, 65 * kMicrosecond}, kSolid{250, 65 * kMicrosecond};
     constexpr Estimate kMesh{750, 14 * kMicrosecond}, kProgressive{100, 7 * kMicrosecond};
     constexpr Estimate kTriangle{300, 3.2 * kMicrosecond};           // of a mesh, as for points on its surface
     constexpr double kInBlock = 1'200, kMaxInBlocks = 4.0 * 10'000;  // sites of blocks that are relaxed at a time

@@ -36,16 +36,47 @@ void OctaveTransport<P>::add_octave() {
     std::array<int, 3> cells{1, 1, 1};
     for (std::size_t axis = 0; axis < kAxes<P>; ++axis)
         cells[axis] = std::max(kMinCells, good_size(filter_.cells * along(frame_.sides, axis) / spacing));
-    octaves_.push_back({Grid(frame_.torus, frame_.sides, cells, executor_), {}});
-    Octave& octave = octaves_.back();
-    const Grid& grid = octave.grid;
-    const auto last = [&](std::size_t axis) { return frame_.torus ? cells[axis] / 2 : cells[axis] - 1; };
-    octave.factors.resize(grid.number({last(0), last(1), last(2)}) + 1);
-    grid.for_waves([&](std::size_t, const Wave& wave) {
+    Grid grid(frame_.torus, frame_.sides, cells, executor_);
+    std::vector<Line> lines(grid.coefficient_count() / grid.line_size());
+    const auto cycles = [&](const Wave& wave) {
         const P f = grid.frequency(wave);
-        const double cycles = std::sqrt(dot(f, f)) * spacing;
-        if (cycles > 0 && cycles < filter_.end && wave[1] >= 0 && wave[2] >= 0)
-            octave.factor(wave) = static_cast<float>(filter_.share(cycles) * potential_of(wave) / grid.window(wave));
+        return std::sqrt(dot(f, f)) * spacing;
+    };
+    std::size_t factors = 0, targets = 0;
+    for (std::size_t line = 0; line < lines.size(); ++line) {
+        Wave wave = grid.first_wave(line);
+        std::size_t count = 0;
+        for (; count < grid.line_size() && cycles(wave) < filter_.end; ++count) ++wave[0];
+        lines[line] = {count, factors, targets};
+        targets += count;
+        if (wave[1] < 0 || wave[2] < 0) {
+            const Wave mirrored{0, std::abs(wave[1]), std::abs(wave[2])};
+            lines[line].factors = lines[grid.number(mirrored) / grid.line_size()].factors;
+        } else {
+            factors += count;
+        }
+    }
+    Octave& octave = octaves_.emplace_back(Octave{std::move(grid), std::move(lines), std::vector<float>(factors)});
+    for_long_waves(octave, [&](std::size_t number, const Wave& wave, std::size_t factor, std::size_t) {
+        if (number == 0 || wave[1] < 0 || wave[2] < 0) return;
+        const double share = filter_.share(cycles(wave));
+        octave.factors[factor] = static_cast<float>(share * potential_of(wave) / octave.grid.window(wave));
+    });
+}
+
+/// Calls visit(number of the coefficient, wave, index of the factor, index of the target) for the long waves of an
+/// octave, including the constant wave. Some calls are in parallel.
+template <class P>
+template <class Visit>
+void OctaveTransport<P>::for_long_waves(const Octave& octave, Visit&& visit) const {
+    for_ranges(executor_, octave.lines.size(), kLines, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t line = begin; line < end; ++line) {
+            const auto [count, factors, targets] = octave.lines[line];
+            const std::size_t first = line * octave.grid.line_size();
+            Wave wave = octave.grid.first_wave(line);
+            for (std::size_t i = 0; i < count; ++i, ++wave[0])
+                visit(first + i, std::as_const(wave), factors + i, targets + i);
+        }
     });
 }
 
@@ -57,60 +88,49 @@ double OctaveTransport<P>::potential_of(const Wave& wave) const {
     return -1 / (4 * kPi * kPi * dot(f, f) * finest().window(wave));
 }
 
+/// Returns the element of levels_ for a spacing, without the limit of the existing octaves.
 template <class P>
-void OctaveTransport<P>::assign_octaves(std::span<const double> spacings, std::span<const double> masses) {
-    levels_.resize(masses.size());
-    std::vector<double> highest((masses.size() + kCells - 1) / kCells, 0);
-    for_ranges(executor_, masses.size(), kCells, [&](std::size_t begin, std::size_t end) {
-        double& own = highest[begin / kCells];
-        for (std::size_t cell = begin; cell < end; ++cell) {
-            const double level = std::log2(spacings[cell] / finest_) + kCaution;
-            const double bounded = std::clamp(level, 0.0, static_cast<double>(kMaxOctaves - 1));
-            levels_[cell] = static_cast<std::uint16_t>(kLevels * bounded);
-            if (masses[cell] > 0) own = std::max(own, levels_[cell] / kLevels);
-        }
-    });
+std::uint16_t OctaveTransport<P>::level_of(double spacing) const {
+    const double level = std::log2(spacing / finest_) + kCaution;
+    return static_cast<std::uint16_t>(kLevels * std::clamp(level, 0.0, static_cast<double>(kMaxOctaves - 1)));
+}
+
+/// Adds octaves up to the highest level of sites, and limits all levels to the existing octaves.
+template <class P>
+void OctaveTransport<P>::add_octaves(std::uint16_t highest) {
     double largest = 0;
     for (std::size_t axis = 0; axis < kAxes<P>; ++axis) largest = std::max(largest, along(frame_.sides, axis));
-    while (static_cast<double>(octaves_.size()) < std::ranges::max(highest) + 1 &&
-           octave_spacing(octaves_.size()) < largest)
+    while (static_cast<double>(octaves_.size()) < highest / kLevels + 1 && octave_spacing(octaves_.size()) < largest)
         add_octave();
     const auto last = static_cast<std::uint16_t>(kLevels * static_cast<double>(octaves_.size() - 1));
     for (std::uint16_t& level : levels_) level = std::min(level, last);
 }
 
-/// Computes the potential of the wanted density, which is spread on the grid like sites.
+/// Adds an octave's share of the potential of the wanted density.
+/// @param octave  number of the octave whose share of the masses is in the cells of the finest grid
 template <class P>
-void OctaveTransport<P>::set_targets(std::span<const double> masses, const std::stop_token& stop) {
+void OctaveTransport<P>::add_targets(std::size_t octave) {
     Grid& grid = finest();
     const auto means =
         grid.along_axes([&](double f, std::size_t axis) { return 1 / sinc(f * along(grid.cell(), axis)); });
-    grid.with_coefficients([&]<class Coefficient>(std::span<Coefficient>) {
-        targets_.emplace<std::vector<Kept<Coefficient>>>(grid.coefficient_count());
+    grid.forward();
+    grid.with_coefficients([&]<class Coefficient>(std::span<Coefficient> coefficients) {
+        using Targets = std::vector<Kept<Coefficient>>;
+        if (octave == 0) targets_.emplace<Targets>(octaves_[0].waves());
+        auto& targets = std::get<Targets>(targets_);
+        for_long_waves(octaves_[0], [&](std::size_t number, const Wave& wave, std::size_t, std::size_t target) {
+            const P f = grid.frequency(wave);
+            const double cycles = std::sqrt(dot(f, f)) * octave_spacing(octave);
+            if (number == 0 || cycles >= filter_.end) return;
+            Coefficient coefficient = coefficients[number];
+            // On a torus, centres of cells are half a cell beyond the grid points.
+            if constexpr (!std::is_same_v<Coefficient, double>)
+                coefficient *= std::polar(1.0, -kPi * dot(f, grid.cell()));
+            const double share = filter_.share(cycles);
+            targets[target] +=
+                static_cast<Kept<Coefficient>>(coefficient * Grid::product(share * potential_of(wave), means, wave));
+        });
     });
-    for (std::size_t octave = 0; octave < octaves_.size() && !stop.stop_requested(); ++octave) {
-        const std::span<double> values = grid.grid();
-        for_ranges(executor_, masses.size(), kCells, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i)
-                values[i] = masses[i] * (levels_.empty() ? 1 : part(levels_[i], octave));
-        });
-        grid.forward();
-        grid.with_coefficients([&]<class Coefficient>(std::span<Coefficient> coefficients) {
-            auto& targets = std::get<std::vector<Kept<Coefficient>>>(targets_);
-            grid.for_waves([&](std::size_t number, const Wave& wave) {
-                const P f = grid.frequency(wave);
-                const double cycles = std::sqrt(dot(f, f)) * octave_spacing(octave);
-                if (number == 0 || cycles >= filter_.end) return;
-                Coefficient coefficient = coefficients[number];
-                // On a torus, centres of cells are half a cell beyond the grid points.
-                if constexpr (!std::is_same_v<Coefficient, double>)
-                    coefficient *= std::polar(1.0, -kPi * dot(f, grid.cell()));
-                const double share = filter_.share(cycles);
-                targets[number] += static_cast<Kept<Coefficient>>(
-                    coefficient * Grid::product(share * potential_of(wave), means, wave));
-            });
-        });
-    }
 }
 
 template <class P>
@@ -118,10 +138,10 @@ void OctaveTransport<P>::set_targets_from_spread(P piece, const std::stop_token&
     if (!transform(stop)) return;
     const auto means = finest().along_axes([&](double f, std::size_t axis) { return sinc(f * along(piece, axis)); });
     finest().with_coefficients([&]<class Coefficient>(std::span<Coefficient> total) {
-        std::vector<Kept<Coefficient>> targets(finest().coefficient_count());
+        std::vector<Kept<Coefficient>> targets(octaves_[0].waves());
         solve(total);
-        finest().for_waves([&](std::size_t number, const Wave& wave) {
-            targets[number] = static_cast<Kept<Coefficient>>(total[number] * Grid::product(1, means, wave));
+        for_long_waves(octaves_[0], [&](std::size_t number, const Wave& wave, std::size_t, std::size_t target) {
+            targets[target] = static_cast<Kept<Coefficient>>(total[number] * Grid::product(1, means, wave));
         });
         targets_ = std::move(targets);
     });
@@ -164,12 +184,11 @@ bool OctaveTransport<P>::measure(std::span<const P> sites, std::span<const doubl
 
 template <class P>
 double OctaveTransport<P>::largest_power(double sites) {
-    Octave& octave = octaves_[0];
-    const Grid& grid = octave.grid;
-    std::vector<double> largest(grid.coefficient_count() / grid.line_size(), 0);
-    octave.grid.with_coefficients([&](auto coefficients) {
-        grid.for_waves([&](std::size_t number, const Wave& wave) {
-            if (octave.factor(wave) == 0) return;
+    Grid& grid = finest();
+    std::vector<double> largest(octaves_[0].lines.size(), 0);
+    grid.with_coefficients([&](auto coefficients) {
+        for_long_waves(octaves_[0], [&](std::size_t number, const Wave& wave, std::size_t factor, std::size_t) {
+            if (octaves_[0].factors[factor] == 0) return;
             double& own = largest[number / grid.line_size()];
             own = std::max(own, std::norm(coefficients[number] / grid.window(wave)));
         });
@@ -188,21 +207,22 @@ void OctaveTransport<P>::solve(std::span<Coefficient> total) {
     const std::size_t size = finest().line_size();
     for_ranges(executor_, total.size() / size, kLines, [&](std::size_t begin, std::size_t end) {
         for (std::size_t line = begin; line < end; ++line) {
-            const float* const factors = &octaves_[0].factor(finest().first_wave(line));
+            const auto [count, first, target] = octaves_[0].lines[line];
+            const float* const factors = octaves_[0].factors.data() + first;
             const auto part = total.subspan(line * size, size);
-            for (std::size_t i = 0; i < size; ++i) part[i] *= static_cast<double>(factors[i]);
+            for (std::size_t i = 0; i < count; ++i) part[i] *= static_cast<double>(factors[i]);
+            std::ranges::fill(part.subspan(count), Coefficient{});
             if (targets.empty()) continue;
-            const auto known = targets.subspan(line * size, size);
-            for (std::size_t i = 0; i < size; ++i) part[i] -= known[i];
+            const auto known = targets.subspan(target, count);
+            for (std::size_t i = 0; i < count; ++i) part[i] -= known[i];
         }
     });
     for (std::size_t octave = 1; octave < octaves_.size(); ++octave) {
         Octave& coarser = octaves_[octave];
         coarser.grid.with_coefficients([&](auto part) {
             if constexpr (std::is_same_v<decltype(part), std::span<Coefficient>>) {
-                coarser.grid.for_waves([&](std::size_t number, const Wave& wave) {
-                    const auto factor = static_cast<double>(coarser.factor(wave));
-                    if (factor != 0) total[finest().number(wave)] += factor * part[number];
+                for_long_waves(coarser, [&](std::size_t number, const Wave& wave, std::size_t factor, std::size_t) {
+                    total[finest().number(wave)] += static_cast<double>(coarser.factors[factor]) * part[number];
                 });
             }
         });

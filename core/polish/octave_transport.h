@@ -105,13 +105,39 @@ public:
 
     /// Splits sites among octaves. To be called before set_targets() if the spacing varies.
     /// @param spacings  [cells of the finest grid] spacing of the sites
-    /// @param masses    [cells of the finest grid] number of wanted sites
-    void assign_octaves(std::span<const double> spacings, std::span<const double> masses);
+    /// @param mass_of   returns the number of wanted sites in a cell of the finest grid
+    template <class MassOf>
+    void assign_octaves(std::span<const double> spacings, MassOf&& mass_of) {
+        levels_.resize(spacings.size());
+        std::vector<std::uint16_t> highest((spacings.size() + kCells - 1) / kCells, 0);
+        for_ranges(executor_, spacings.size(), kCells, [&](std::size_t begin, std::size_t end) {
+            std::uint16_t& own = highest[begin / kCells];
+            for (std::size_t cell = begin; cell < end; ++cell) {
+                levels_[cell] = level_of(spacings[cell]);
+                if (levels_[cell] > own && mass_of(cell) > 0) own = levels_[cell];
+            }
+        });
+        add_octaves(std::ranges::max(highest));
+    }
 
     /// Sets the wanted density, which is uniform otherwise.
-    /// @param masses  [cells of the finest grid] number of wanted sites
-    /// @param stop    polled regularly; after a stop, this object must not be used
-    void set_targets(std::span<const double> masses, const std::stop_token& stop);
+    /// @param mass_of  returns the number of wanted sites in a cell of the finest grid
+    /// @param stop     polled regularly; after a stop, this object must not be used
+    template <class MassOf>
+    void set_targets(MassOf&& mass_of, const std::stop_token& stop) {
+        for (std::size_t octave = 0; octave < octaves_.size(); ++octave) {
+            const std::span<double> values = finest().grid();
+            for_ranges(executor_, values.size(), kCells, [&](std::size_t begin, std::size_t end) {
+                if (stop.stop_requested()) return;
+                for (std::size_t i = begin; i < end; ++i) {
+                    const double share = levels_.empty() ? 1 : part(levels_[i], octave);
+                    values[i] = share > 0 ? share * mass_of(i) : 0;
+                }
+            });
+            if (stop.stop_requested()) return;
+            add_targets(octave);
+        }
+    }
     /// Sets the wanted density to the sum of the points spread since clear().
     /// @param piece  sides of the boxes that these points stand for
     void set_targets_from_spread(P piece, const std::stop_token& stop);
@@ -162,16 +188,21 @@ public:
     }
 
 private:
+    /// The long waves in a line of coefficients. Their coefficients are the first ones of the line.
+    struct Line {
+        std::size_t count;
+        std::size_t factors;  ///< index of the first factor; waves that differ in the signs along y and z share it
+        std::size_t targets;  ///< index of the first target
+    };
     /// The grid for sites whose spacing is about 2^octave times the finest spacing.
     struct Octave {
         Grid grid;
-        /// Factors that convert the coefficients of the sites to this octave's share of the potential; see factor().
+        std::vector<Line> lines;  ///< [lines of coefficients]
+        /// Factors that convert the coefficients of the sites to this octave's share of the potential.
         std::vector<float> factors;
 
-        /// Returns the common factor of the coefficients of waves that differ in the signs along y and z.
-        float& factor(const Wave& wave) {
-            return factors[grid.number({wave[0], std::abs(wave[1]), std::abs(wave[2])})];
-        }
+        /// Returns the number of long waves.
+        std::size_t waves() const { return lines.back().targets + lines.back().count; }
     };
 
     // Number of sites or cells per task. In space, sites take longer.
@@ -187,6 +218,11 @@ private:
 
     void add_octave();
     double potential_of(const Wave& wave) const;
+    template <class Visit>
+    void for_long_waves(const Octave& octave, Visit&& visit) const;
+    std::uint16_t level_of(double spacing) const;
+    void add_octaves(std::uint16_t highest);
+    void add_targets(std::size_t octave);
     /// Computes the coefficients of the values that were spread on the grids. Returns false after a stop.
     bool transform(const std::stop_token& stop) {
         for (Octave& octave : octaves_) {
@@ -210,7 +246,7 @@ private:
     double finest_, least_;
     Filter filter_;
     std::vector<Octave> octaves_;
-    /// [coefficients of octave 0] potential of the wanted density alone; empty if the wanted density is uniform
+    /// [long waves of octave 0] potential of the wanted density alone; empty if the wanted density is uniform
     std::variant<std::vector<float>, std::vector<std::complex<float>>> targets_;
     /// [cells of octave 0] fractional octave of the sites in the cell, multiplied by kLevels
     std::vector<std::uint16_t> levels_;

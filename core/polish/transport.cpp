@@ -95,7 +95,7 @@ Transport::Transport(const Domain& domain, const Density& density, std::size_t s
     if (denser_) {
         set_fine_targets(density, block, stop);
     } else {
-        octaves_->set_targets(mass, stop);
+        octaves_->set_targets([&](std::size_t cell) { return mass[cell]; }, stop);
     }
 }
 
@@ -149,7 +149,7 @@ void Transport::assign_octaves(const std::vector<double>& masses) {
                  [&](std::size_t cell, double spacing) { spacings_[cell] = shortened(spacing / finest); });
     const std::span<double> coarse = smooth(masses, kLevelSmoothing * finest);
     for_spacings(coarse, [&](std::size_t cell, double spacing) { coarse[cell] = spacing; });
-    octaves_->assign_octaves(coarse, masses);
+    octaves_->assign_octaves(coarse, [&](std::size_t cell) { return masses[cell]; });
 }
 
 /// Computes the potential of the wanted density if it has more detail than the finest grid resolves. Spreads the

@@ -1,29 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <charconv>
 #include <cstddef>
 #include <string>
 #include <string_view>
 
 #include "core/geometry/point3.h"
 #include "core/result.h"
+#include "core/volume/point_text.h"
 
 namespace ccdt {
 
 /// Returns the error about a fixed point outside its domain: "the fixed point 3, (9, 9, 9), is not in the domain".
-/// Coordinates have the fewest digits that read back to the same double.
 /// @param index   index of the point, also in Error::field
 /// @param domain  such as "in the domain"
 inline Error fixed_point_error(std::size_t index, Point3 p, std::string_view domain) {
-    const auto shortest = [](double value) {
-        char digits[32];
-        return std::string(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
-    };
     const std::string number = std::to_string(index);
-    return {ErrorCode::Malformed,
-            "the fixed point " + number + ", (" + shortest(p.x) + ", " + shortest(p.y) + ", " + shortest(p.z) +
-                "), is not " + std::string(domain),
+    return {ErrorCode::Malformed, "the fixed point " + number + ", " + text(p) + ", is not " + std::string(domain),
             "fixed/" + number};
 }
 

@@ -39,15 +39,18 @@ double push_apart(const Domain& domain, const VolumeSpacing& spacing, std::span<
         Point3 place;
         std::uint32_t site;
     };
+    const double ratio = spacing.is_uniform() ? 1 : VolumeSpacing::kMaxRatio;
+    std::vector<double> reaches(sites.size());  // [sites] reach of the pushes of each site
+    for_ranges(executor, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) reaches[i] = reach * spacing.densest(sites[i]);
+    });
     std::vector<std::uint32_t> numbers(sites.size());  // [places] site of each place
     std::iota(numbers.begin(), numbers.end(), 0U);
-    const double ratio = spacing.is_uniform() ? 1 : VolumeSpacing::kMaxRatio;
     const auto list_places = [&] {
         std::vector<std::vector<Copy>> copies(sites.size() / kSites + 1);
         for_ranges(executor, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end && !stop.stop_requested(); ++i) {
-                const double range = ratio * reach * spacing.densest(sites[i]);
-                domain.for_copies(sites[i], range, [&](Point3 copy, bool is_original) {
+                domain.for_copies(sites[i], ratio * reaches[i], [&](Point3 copy, bool is_original) {
                     if (!is_original) copies[begin / kSites].push_back({copy, static_cast<std::uint32_t>(i)});
                 });
             }
@@ -67,11 +70,11 @@ double push_apart(const Domain& domain, const VolumeSpacing& spacing, std::span<
     for_ranges(executor, free, kSites, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end && !stop.stop_requested(); ++i) {
             const Point3 p = sites[i];
-            const double own = reach * spacing.densest(p), range = ratio * own;
+            const double own = reaches[i], range = ratio * own;
             const auto push_of = [&](std::uint32_t number, double distance) {
                 if (number == i) return PairPush{0, 0};
                 const std::uint32_t other = numbers[number];
-                double wanted = spacing.is_uniform() ? own : (own + reach * spacing.densest(sites[other])) / 2;
+                double wanted = (own + reaches[other]) / 2;
                 if (other == i) wanted *= kLayers;
                 least[begin / kSites] = std::min(least[begin / kSites], distance / wanted);
                 // A fixed site does not yield, so the other site moves twice as far.

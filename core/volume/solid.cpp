@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <sstream>
 #include <utility>
 
 #include "core/geometry/axes.h"
+#include "core/volume/point_text.h"
 
 namespace ccdt {
 
@@ -15,12 +15,6 @@ namespace {
 
 constexpr double kMeasureCells = 1 << 18;  ///< cells by which the volume is measured
 constexpr double kLeastVolume = 1e-15;     ///< least volume of a solid, in the unit frame
-
-std::string text(Point3 p) {
-    std::ostringstream stream;
-    stream << '(' << p.x << ", " << p.y << ", " << p.z << ')';
-    return stream.str();
-}
 
 /// Returns twice the area of a triangle projected along x; positive if its normal has the direction of x.
 double projected_area(Point3 a, Point3 b, Point3 c) {

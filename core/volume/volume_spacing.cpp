@@ -11,6 +11,7 @@ namespace {
 constexpr double kMostCells = 200;  ///< limit on the cells of the grid along an axis
 /// Cells per mean spacing. With fewer cells, points crowd where the density changes within a few local spacings.
 constexpr double kCellsPerSpacing = 2.25;
+constexpr double kMany = 8;          ///< number of points in a voxel that has its own spacing
 constexpr int kSteps = 48;           ///< largest number of steps towards a side; usually, 5 suffice
 constexpr double kTolerance = 1e-3;  ///< largest error of the number of points in a cube
 
@@ -53,6 +54,8 @@ VolumeSpacing::VolumeSpacing(const BoxDomain3& domain, const VoxelDensity& densi
     cells_ = {cells(domain.sides.x), cells(domain.sides.y), cells(domain.sides.z)};
     const auto [columns, rows, layers] = cells_;
     sides_.resize(columns * rows * layers);
+    many_ = kMany * density.voxel_count() / static_cast<double>(points);
+    if (density.voxel_count() > static_cast<double>(sides_.size()) && density.largest() >= many_) crowded_ = &density;
     const auto place = [&](std::size_t cell, std::size_t axis) {
         return (static_cast<double>(cell) + 0.5) / static_cast<double>(cells_[axis]) * along(domain_sides_, axis);
     };
@@ -79,7 +82,12 @@ double VolumeSpacing::side(Point3 p) const {
     const float* corner = &sides_[first[2] * layer + first[1] * row + first[0]];
     const auto line = [&](const float* at) { return at[0] + part[0] * (at[1] - at[0]); };
     const auto face = [&](const float* at) { return line(at) + part[1] * (line(at + row) - line(at)); };
-    return face(corner) + part[2] * (face(corner + layer) - face(corner));
+    const double side = face(corner) + part[2] * (face(corner + layer) - face(corner));
+    if (crowded_ == nullptr) return side;
+    const auto place = by_axis<Point3>(
+        [&](std::size_t axis) { return std::clamp(along(p, axis) / along(domain_sides_, axis), 0.0, 1.0); });
+    const double density = crowded_->at(place);
+    return density >= many_ ? std::min(side, mean_ / std::cbrt(density)) : side;
 }
 
 }  // namespace ccdt

@@ -15,15 +15,17 @@
 namespace ccdt {
 
 /// The local spacing of points: the side of the cube around a place that holds one of the wanted points. If the density
-/// varies, sides are computed on a grid and interpolated.
+/// varies, sides are computed on a grid and interpolated. If voxels are smaller than the cells of the grid, a voxel
+/// with many points has the spacing of its own density, if that is shorter.
 class VolumeSpacing {
 public:
     /// Largest distance at which another site pushes a site, relative to the site's own reach. It is a limit only where
     /// the spacing changes by more than a factor of 2 between neighbours.
     static constexpr double kMaxRatio = 1.5;
 
-    /// @param points  number of points in the domain, >= 1
-    /// @param stop    polled regularly; after a stop, the spacing is undefined
+    /// @param density  must outlive this object
+    /// @param points   number of points in the domain, >= 1
+    /// @param stop     polled regularly; after a stop, the spacing is undefined
     ///
     /// With uniform density, O(1). Otherwise, O(points), with at most 200 cells along each axis of the grid.
     VolumeSpacing(const BoxDomain3& domain, const VoxelDensity& density, std::size_t points, Executor& executor,
@@ -46,6 +48,8 @@ private:
     double mean_;
     Point3 domain_sides_;
     std::array<std::size_t, 3> cells_{};
+    const VoxelDensity* crowded_ = nullptr;  ///< the density, if a small voxel has many points
+    double many_ = 0;                        ///< density of a voxel with many points, relative to the mean density
     std::vector<float> sides_;  ///< [z][y][x] sides at the centres of cells; empty if the density is uniform
 };
 

@@ -16,18 +16,22 @@ constexpr double kLimit = 0.55;
 /// Cells per spacing. With uniform density, these are 3.3 cells per cycle of the highest frequency or, if the grid must
 /// be precise, nearly six. SemicircleKernel documents the errors.
 constexpr double kCellsPerSpacing = 1.8, kPreciseCells = 3.2;
-/// Largest density that octave 0 resolves, relative to the mean density.
-constexpr double kMaxContrast = 4;
-/// Limit on the cells of octave 0: kMostVolumes times the cells of a domain that fills its bounding box, or
-/// kFewestCells if that is more. A solid that fills a small part of its bounding box reaches this limit. With its
-/// margin, the grid of a thin box may have twice as many.
-constexpr double kMostVolumes = 3.8, kFewestCells = 1 << 17;
+constexpr std::size_t kCells = 512;  ///< cells per task
+/// Largest density that octave 0 resolves, relative to the mean density. In a ball with the density 1 / r^2, the
+/// density is 15 at the average site.
+constexpr double kMaxContrast = 16;
+/// Limits on the cells of octave 0. The cells for a domain that fills its bounding box, without contrast, are the unit
+/// of kMostVolumes, which bounds the memory per site: a solid that fills a small part of its bounding box reaches it.
+/// Few sites may have as many cells as kMaxContrast needs, up to kManyCells, and any number of sites kFewestCells. With
+/// its margin, the grid of a thin box may have twice as many.
+constexpr double kMostVolumes = 3.8, kFewestCells = 1 << 17, kManyCells = 1 << 19;
 
 /// Returns the spacing that octave 0 resolves, in a grid with `cells` cells per spacing.
 /// @param contrast  mean density at the points, relative to the mean density of the box
 double finest_spacing(const BoxDomain3& box, double contrast, const VolumeSpacing& spacing, double points,
                       double cells) {
-    const double most = std::max(kFewestCells, kMostVolumes * std::pow(cells, 3) * points);
+    const double volume = std::pow(cells, 3) * points;
+    const double most = std::max({kFewestCells, kMostVolumes * volume, std::min(kManyCells, kMaxContrast * volume)});
     double finest =
         std::max(spacing.mean() / std::cbrt(std::min(contrast, kMaxContrast)), cells * std::cbrt(box.volume() / most));
     // Thin domains have more cells, because each axis has at least kMinCells, and a margin.
@@ -59,23 +63,27 @@ OctaveTransport<Point3> volume_transport(const BoxDomain3& box, double volume, c
     const auto [columns, rows, layers] = grid.cells();
     const auto width = static_cast<std::size_t>(columns), height = static_cast<std::size_t>(rows);
     const Point3 cell{1.0 / columns, 1.0 / rows, 1.0 / layers}, sides = box.sides;
-    const std::span<double> spacings = grid.grid();
-    std::vector<double> masses(spacings.size());
-    for_ranges(executor, masses.size() / width, 1, [&](std::size_t line, std::size_t) {
-        for (std::size_t i = 0; i < width && !stop.stop_requested(); ++i) {
-            const auto x = static_cast<double>(i), y = static_cast<double>(line % height),
-                       z = static_cast<double>(line / height);
-            const Box3 part{
-                {x * cell.x, y * cell.y, z * cell.z},
-                {std::min(1.0, (x + 1) * cell.x), std::min(1.0, (y + 1) * cell.y), std::min(1.0, (z + 1) * cell.z)}};
-            const Point3 middle = 0.5 * (part.min + part.max);
-            spacings[line * width + i] = spacing.side({middle.x * sides.x, middle.y * sides.y, middle.z * sides.z});
-            masses[line * width + i] = count * density.mass(part);
-        }
-    });
-    if (stop.stop_requested()) return transport;
-    if (!spacing.is_uniform()) transport.assign_octaves(spacings, masses);
-    transport.set_targets(masses, stop);
+    const auto part_of = [&](std::size_t number) {
+        const auto x = static_cast<double>(number % width), y = static_cast<double>(number / width % height),
+                   z = static_cast<double>(number / width / height);
+        return Box3{
+            {x * cell.x, y * cell.y, z * cell.z},
+            {std::min(1.0, (x + 1) * cell.x), std::min(1.0, (y + 1) * cell.y), std::min(1.0, (z + 1) * cell.z)}};
+    };
+    const auto mass_of = [&](std::size_t number) { return count * density.mass(part_of(number)); };
+    if (!spacing.is_uniform()) {
+        const std::span<double> spacings = grid.grid();
+        for_ranges(executor, spacings.size(), kCells, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end && !stop.stop_requested(); ++i) {
+                const Box3 part = part_of(i);
+                const Point3 middle = 0.5 * (part.min + part.max);
+                spacings[i] = spacing.side({middle.x * sides.x, middle.y * sides.y, middle.z * sides.z});
+            }
+        });
+        if (stop.stop_requested()) return transport;
+        transport.assign_octaves(spacings, mass_of);
+    }
+    transport.set_targets(mass_of, stop);
     transport.release_memory();
     return transport;
 }

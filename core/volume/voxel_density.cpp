@@ -65,6 +65,7 @@ Result<VoxelDensity> VoxelDensity::create(const std::array<std::size_t, 3>& voxe
     }
     const double total = sums.back();
     for (double& sum : sums) sum /= total;
+    density.largest_ = static_cast<double>(values.size()) / total;
     density.contrast_ = squares / total * (static_cast<double>(values.size()) / total);
     return density;
 }
@@ -74,30 +75,28 @@ std::size_t VoxelDensity::voxel(double v, std::size_t axis) const {
     return static_cast<std::size_t>(std::clamp(v * count, 0.0, count - 1));
 }
 
-/// Returns the share of the mass between the origin and a point.
-double VoxelDensity::sum(Point3 p) const {
-    if (is_uniform()) return p.x * p.y * p.z;
-    std::array<std::size_t, 3> first{};
-    std::array<double, 3> part{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double v = along(p, axis);
-        first[axis] = voxel(v, axis);
-        part[axis] = v * static_cast<double>(voxels_[axis]) - static_cast<double>(first[axis]);
-    }
+VoxelDensity::Place VoxelDensity::place(double v, std::size_t axis) const {
+    const std::size_t first = voxel(v, axis);
+    return {first, v * static_cast<double>(voxels_[axis]) - static_cast<double>(first)};
+}
+
+/// Returns the share of the mass between the origin and a point. The density must not be uniform.
+double VoxelDensity::sum(Place x, Place y, Place z) const {
     const std::size_t row = voxels_[0] + 1, layer = row * (voxels_[1] + 1);
-    const double* corner = &sums_[first[2] * layer + first[1] * row + first[0]];
-    const auto line = [&](const double* at) { return at[0] + part[0] * (at[1] - at[0]); };
-    const auto face = [&](const double* at) { return line(at) + part[1] * (line(at + row) - line(at)); };
-    return face(corner) + part[2] * (face(corner + layer) - face(corner));
+    const double* corner = &sums_[z.first * layer + y.first * row + x.first];
+    const auto line = [&](const double* at) { return at[0] + x.part * (at[1] - at[0]); };
+    const auto face = [&](const double* at) { return line(at) + y.part * (line(at + row) - line(at)); };
+    return face(corner) + z.part * (face(corner + layer) - face(corner));
 }
 
 double VoxelDensity::mass(const Box3& box) const {
     if (is_uniform()) return (box.max.x - box.min.x) * (box.max.y - box.min.y) * (box.max.z - box.min.z);
-    const auto face = [&](double z) {
-        return (sum({box.max.x, box.max.y, z}) - sum({box.min.x, box.max.y, z})) -
-               (sum({box.max.x, box.min.y, z}) - sum({box.min.x, box.min.y, z}));
+    const Place left = place(box.min.x, 0), right = place(box.max.x, 0);
+    const Place front = place(box.min.y, 1), back = place(box.max.y, 1);
+    const auto face = [&](Place z) {
+        return (sum(right, back, z) - sum(left, back, z)) - (sum(right, front, z) - sum(left, front, z));
     };
-    return std::max(0.0, face(box.max.z) - face(box.min.z));
+    return std::max(0.0, face(place(box.max.z, 2)) - face(place(box.min.z, 2)));
 }
 
 double VoxelDensity::at(Point3 p) const {

@@ -61,13 +61,22 @@ public:
     /// Returns the mean of the density over all points of a pattern with this density, relative to the mean over the
     /// volume; 1 if the density is uniform.
     double contrast() const { return contrast_; }
+    /// Returns the largest density, relative to the mean density.
+    double largest() const { return largest_; }
+    double voxel_count() const { return static_cast<double>(voxels_[0] * voxels_[1] * voxels_[2]); }
 
 private:
-    double sum(Point3 p) const;
+    /// A coordinate: the number of its voxel, and the position in the voxel, in [0, 1].
+    struct Place {
+        std::size_t first;
+        double part;
+    };
+    Place place(double v, std::size_t axis) const;
+    double sum(Place x, Place y, Place z) const;
     std::size_t voxel(double v, std::size_t axis) const;
 
     std::array<std::size_t, 3> voxels_{1, 1, 1};
-    double contrast_ = 1;
+    double contrast_ = 1, largest_ = 1;
     /// [layers + 1][rows + 1][columns + 1] share of the mass between the origin and each corner of the voxels; empty if
     /// uniform.
     std::vector<double> sums_;

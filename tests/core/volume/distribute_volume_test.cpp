@@ -225,6 +225,18 @@ TEST(DistributeInVolume, FollowsTheDensity) {
     }
 }
 
+TEST(DistributeInVolume, SpreadsPointsInASingleVoxel) {
+    // The spacing of the points is much smaller than the cells in which spacings are computed.
+    const std::size_t side = 48;
+    std::vector<double> values(side * side * side, 0);
+    values[0] = 1;
+    const auto points = distributed(kBox, {.sites = 300}, *VoxelDensity::create({side, side, side}, values)).points;
+    for (const Point3 p : points) ASSERT_LT(std::max({p.x, p.y, p.z}), 1.0 / side);
+    const Distances found = distances({{1.0 / side, 1.0 / side, 1.0 / side}}, points);
+    EXPECT_GT(found.least, 0.8);
+    EXPECT_GT(found.mean, 0.85);
+}
+
 TEST(DistributeInVolume, KeepsSitesAwayFromFixedPoints) {
     VolumeOptions options{.sites = 900, .keep_mesh = true};
     for (int i = 0; i < 100; ++i) options.fixed.push_back({0.5, (i / 10 + 0.5) / 10, (i % 10 + 0.5) / 10});
