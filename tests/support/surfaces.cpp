@@ -146,7 +146,8 @@ TriangleSoup torus_surface(double major, double minor, int columns, int rows) {
 TriangleSoup needle_prism(int sides) {
     const Point3 axis = std::sqrt(3.0) * Point3{1, 1, 1};
     const Point3 x = std::sqrt(0.125) * Point3{1, -1, 0}, y = std::sqrt(1.0 / 24) * Point3{1, 1, -2};
-    TriangleSoup soup{.vertices = {{}, axis}};
+    TriangleSoup soup;
+    soup.vertices = {{}, axis};
     const auto count = static_cast<std::uint32_t>(sides);
     for (std::uint32_t i = 0; i < count; ++i) {
         const auto [cos, sin] = on_circle(static_cast<double>(i) / sides);
