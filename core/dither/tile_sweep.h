@@ -29,8 +29,7 @@ public:
 
     /// Repeats sweeps.
     /// @param visit  bool(int x, int y): visits a pixel, and returns whether it has changed something; what it reads
-    /// and
-    ///               writes is less than kTile / 2 pixels away, along each axis
+    ///               and writes is less than kTile / 2 pixels away, along each axis
     /// @param stop   polled many times in each sweep
     /// Deterministic for any number of threads.
     template <class Visit>

@@ -87,9 +87,8 @@ CCDT_EXPORT Sample sample(const Domain& domain, std::size_t sites, const SampleO
 ///
 /// @param domain   domain of the points; on a torus, distances are periodic
 /// @param points   [n], n < 2^32, in the bounding box of the domain; may coincide
-/// @param uniform  whether the points have the same density everywhere in the domain. Otherwise, the density is
-/// measured
-///                 from the points.
+/// @param uniform  whether the points have the same density everywhere in the domain. Otherwise, the density
+///                 is measured from the points.
 /// @returns        [n] indices of the points in the new order
 ///
 /// Errors: those of sample() about the domain; Unusable for a point outside the bounding box; Stopped.
