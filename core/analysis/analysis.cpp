@@ -432,7 +432,7 @@ Analysis measure(Sets<P> sets, const Frame<P>& frame, const Plan& plan, const st
     return analysis;
 }
 
-/// Makes the plan of an analysis whose arguments are valid. Errors: those of check_analysis().
+/// Checks the arguments of an analysis and makes its plan. Errors: those of check_analysis().
 template <class P>
 Result<Plan> prepare(Sets<P> sets, const Frame<P>& frame, const AnalysisOptions& options) {
     bool is_proper = true;

@@ -472,10 +472,10 @@ using Ints = EightLanes::Ints;
 constexpr std::uint32_t kLanes = EightLanes::kCount;
 constexpr float kNone = -std::numeric_limits<float>::infinity();
 
-/// Describes the pairs of points that become too near to each other while points are removed.
+/// Describes the pairs of points that become too near to each other while points are removed. A relative distance is
+/// a distance divided by `reach` or, without it, by the reach of the pair.
 struct NearPairs {
-    std::optional<double> reach;  ///< unit of relative distances, at most kMaxReach times the reach of a point; none:
-                                  ///< the reach of each pair
+    std::optional<double> reach;  ///< at most kMaxReach times the reach of a point
     double square;                ///< limit on the squares of relative distances; pairs farther apart are not listed
     double points;                ///< number of remaining points below which a relative distance of 1 is too small
 };
@@ -901,8 +901,8 @@ private:
 /// @param even     whether all spacings are equal
 /// @param uniform  whether the density is uniform, so that only borders change the spacing. Except in a solid domain,
 ///                 measured spacings then count only if they exceed the usual one by a tenth, because smaller
-///                 differences are due to chance. In a solid domain, they are less than the usual one, by a factor of
-///                 0.87 far from the border, because 12 neighbours form a complete shell
+///                 differences are due to chance. In a solid domain, they are 0.94 to 0.97 times the usual one on
+///                 average, far from the border, because 12 neighbours form a complete shell
 template <class P>
 std::vector<double> spacings_of(const Frame<P>& frame, const Points<P>& points, bool even, bool uniform,
                                 Executor& executor, const std::stop_token& stop) {

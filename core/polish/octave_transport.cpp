@@ -38,15 +38,15 @@ void OctaveTransport<P>::add_octave() {
         cells[axis] = std::max(kMinCells, good_size(filter_.cells * along(frame_.sides, axis) / spacing));
     Grid grid(frame_.torus, frame_.sides, cells, executor_);
     std::vector<Line> lines(grid.coefficient_count() / grid.line_size());
-    const auto cycles = [&](const Wave& wave) {
-        const P f = grid.frequency(wave);
+    const auto cycles = [spacing](const Grid& of, const Wave& wave) {
+        const P f = of.frequency(wave);
         return std::sqrt(dot(f, f)) * spacing;
     };
     std::size_t factors = 0, targets = 0;
     for (std::size_t line = 0; line < lines.size(); ++line) {
         Wave wave = grid.first_wave(line);
         std::size_t count = 0;
-        for (; count < grid.line_size() && cycles(wave) < filter_.end; ++count) ++wave[0];
+        for (; count < grid.line_size() && cycles(grid, wave) < filter_.end; ++count) ++wave[0];
         lines[line] = {count, factors, targets};
         targets += count;
         if (wave[1] < 0 || wave[2] < 0) {
@@ -59,7 +59,7 @@ void OctaveTransport<P>::add_octave() {
     Octave& octave = octaves_.emplace_back(Octave{std::move(grid), std::move(lines), std::vector<float>(factors)});
     for_long_waves(octave, [&](std::size_t number, const Wave& wave, std::size_t factor, std::size_t) {
         if (number == 0 || wave[1] < 0 || wave[2] < 0) return;
-        const double share = filter_.share(cycles(wave));
+        const double share = filter_.share(cycles(octave.grid, wave));
         octave.factors[factor] = static_cast<float>(share * potential_of(wave) / octave.grid.window(wave));
     });
 }

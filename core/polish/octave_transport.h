@@ -6,7 +6,6 @@
 #include <complex>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <span>
 #include <stop_token>
 #include <type_traits>
@@ -106,12 +105,14 @@ public:
     /// Splits sites among octaves. To be called before set_targets() if the spacing varies.
     /// @param spacings  [cells of the finest grid] spacing of the sites
     /// @param mass_of   returns the number of wanted sites in a cell of the finest grid
+    /// @param stop      polled regularly; after a stop, this object must not be used
     template <class MassOf>
-    void assign_octaves(std::span<const double> spacings, MassOf&& mass_of) {
+    void assign_octaves(std::span<const double> spacings, MassOf&& mass_of, const std::stop_token& stop) {
         levels_.resize(spacings.size());
         std::vector<std::uint16_t> highest((spacings.size() + kCells - 1) / kCells, 0);
         for_ranges(executor_, spacings.size(), kCells, [&](std::size_t begin, std::size_t end) {
             std::uint16_t& own = highest[begin / kCells];
+            if (stop.stop_requested()) return;
             for (std::size_t cell = begin; cell < end; ++cell) {
                 levels_[cell] = level_of(spacings[cell]);
                 if (levels_[cell] > own && mass_of(cell) > 0) own = levels_[cell];

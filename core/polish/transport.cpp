@@ -91,7 +91,7 @@ Transport::Transport(const Domain& domain, const Density& density, std::size_t s
     if (uniform || stop.stop_requested()) return;
     const std::vector<double> mass = masses(density, block);
     if (stop.stop_requested()) return;
-    assign_octaves(mass);
+    assign_octaves(mass, stop);
     if (denser_) {
         set_fine_targets(density, block, stop);
     } else {
@@ -135,7 +135,7 @@ std::span<double> Transport::smooth(const std::vector<double>& masses, double si
     return grid.grid();
 }
 
-void Transport::assign_octaves(const std::vector<double>& masses) {
+void Transport::assign_octaves(const std::vector<double>& masses, const std::stop_token& stop) {
     const double finest = octaves_->finest_spacing();
     const double sparsest = 1 / std::pow(octaves_->octave_spacing(octaves_->kMaxOctaves), 2);
     const auto for_spacings = [&](std::span<double> densities, auto&& visit) {
@@ -149,7 +149,8 @@ void Transport::assign_octaves(const std::vector<double>& masses) {
                  [&](std::size_t cell, double spacing) { spacings_[cell] = shortened(spacing / finest); });
     const std::span<double> coarse = smooth(masses, kLevelSmoothing * finest);
     for_spacings(coarse, [&](std::size_t cell, double spacing) { coarse[cell] = spacing; });
-    octaves_->assign_octaves(coarse, [&](std::size_t cell) { return masses[cell]; });
+    octaves_->assign_octaves(
+        coarse, [&](std::size_t cell) { return masses[cell]; }, stop);
 }
 
 /// Computes the potential of the wanted density if it has more detail than the finest grid resolves. Spreads the

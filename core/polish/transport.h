@@ -56,7 +56,7 @@ public:
 private:
     std::vector<double> masses(const Density& density, const CellBlock& block) const;
     std::span<double> smooth(const std::vector<double>& masses, double sigma);
-    void assign_octaves(const std::vector<double>& masses);
+    void assign_octaves(const std::vector<double>& masses, const std::stop_token& stop);
     void set_fine_targets(const Density& density, const CellBlock& block, const std::stop_token& stop);
 
     Executor& executor_;

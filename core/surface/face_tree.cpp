@@ -79,7 +79,7 @@ double FaceTree::Node::squared_distance(Point3 p) const {
 }
 
 bool FaceTree::Node::is_on_ray(Point3 p) const {
-    constexpr double kRounding = 1e-9;
+    constexpr double kRounding = 1e-9;  // more than the errors of coordinates along the axes, which are at most 2
     const Point3 local = along_axes(p);
     double from = 0, to = kInfinity;
     for (std::size_t k = 0; k < 3; ++k) {

@@ -391,6 +391,7 @@ void Surface::cross_edge(Walk& walk) const {
 const FaceTree& Surface::tree() const {
     std::call_once(tree_->once, [this] {
         std::vector<FaceTree::Face> faces;
+        faces.reserve(face_count());
         for (std::uint32_t f = 0; f < face_count(); ++f) faces.push_back({corners(f), f, faces_[f].links.flat});
         tree_->faces.emplace(vertices_, std::move(faces));  // the surface may move, but its vertices stay in place
     });

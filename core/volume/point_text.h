@@ -8,13 +8,15 @@
 
 namespace ccdt {
 
-/// Returns a point as "(x, y, z)". Coordinates have the fewest digits that read back to the same double.
+/// Returns a number with the fewest digits that read back to the same double.
+inline std::string text(double value) {
+    char digits[32];
+    return {digits, std::to_chars(digits, digits + sizeof digits, value).ptr};
+}
+
+/// Returns a point as "(x, y, z)".
 inline std::string text(Point3 p) {
-    const auto shortest = [](double value) {
-        char digits[32];
-        return std::string(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
-    };
-    return "(" + shortest(p.x) + ", " + shortest(p.y) + ", " + shortest(p.z) + ")";
+    return "(" + text(p.x) + ", " + text(p.y) + ", " + text(p.z) + ")";
 }
 
 }  // namespace ccdt

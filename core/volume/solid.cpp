@@ -175,7 +175,7 @@ bool Solid::find_interior() {
         if (width <= widest) continue;
         widest = width;
         middle = 1. / 3 * (a + b + c);
-        middle.x = 0;
+        middle.x = 0;  // on the left side of the solid, where the half-line must begin
     }
     std::vector<std::pair<double, int>> crossings;
     for_crossings(middle, [&](double x, int step) { crossings.emplace_back(x, step); });

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <numbers>
 #include <stop_token>
 #include <vector>
@@ -24,9 +23,9 @@ public:
     /// Crease angle for Surface::create() with which tetrahedra get edges along creases, in radians.
     static constexpr double kCrease = std::numbers::pi / 4;
 
-    /// Makes a solid. O(faces), and a constant time for measuring the volume.
+    /// Makes a solid. O(faces log faces), and a constant time for measuring the volume.
     /// @param surface  with any creases
-    /// @param stop     polled regularly
+    /// @param stop     polled regularly, but not while the tree of the faces is built
     ///
     /// Errors: Unusable if the surface is open (names a border edge) or encloses no volume; Stopped.
     static Result<Solid> create(Surface surface, const std::stop_token& stop = {});

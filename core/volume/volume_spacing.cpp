@@ -11,7 +11,9 @@ namespace {
 constexpr double kMostCells = 200;  ///< limit on the cells of the grid along an axis
 /// Cells per mean spacing. With fewer cells, points crowd where the density changes within a few local spacings.
 constexpr double kCellsPerSpacing = 2.25;
-constexpr double kMany = 8;          ///< number of points in a voxel that has its own spacing
+/// A voxel with at least kMany points has the spacing of its own density if that is less than kShort times the side of
+/// the cube that holds one point.
+constexpr double kMany = 8, kShort = 0.5;
 constexpr int kSteps = 48;           ///< largest number of steps towards a side; usually, 5 suffice
 constexpr double kTolerance = 1e-3;  ///< largest error of the number of points in a cube
 
@@ -55,7 +57,7 @@ VolumeSpacing::VolumeSpacing(const BoxDomain3& domain, const VoxelDensity& densi
     const auto [columns, rows, layers] = cells_;
     sides_.resize(columns * rows * layers);
     many_ = kMany * density.voxel_count() / static_cast<double>(points);
-    if (density.voxel_count() > static_cast<double>(sides_.size()) && density.largest() >= many_) crowded_ = &density;
+    if (density.largest() >= many_) crowded_ = &density;
     const auto place = [&](std::size_t cell, std::size_t axis) {
         return (static_cast<double>(cell) + 0.5) / static_cast<double>(cells_[axis]) * along(domain_sides_, axis);
     };
@@ -86,8 +88,8 @@ double VolumeSpacing::side(Point3 p) const {
     if (crowded_ == nullptr) return side;
     const auto place = by_axis<Point3>(
         [&](std::size_t axis) { return std::clamp(along(p, axis) / along(domain_sides_, axis), 0.0, 1.0); });
-    const double density = crowded_->at(place);
-    return density >= many_ ? std::min(side, mean_ / std::cbrt(density)) : side;
+    const double density = crowded_->at(place), own = mean_ / std::cbrt(density);
+    return density >= many_ && own < kShort * side ? own : side;
 }
 
 }  // namespace ccdt

@@ -15,8 +15,8 @@
 namespace ccdt {
 
 /// The local spacing of points: the side of the cube around a place that holds one of the wanted points. If the density
-/// varies, sides are computed on a grid and interpolated. If voxels are smaller than the cells of the grid, a voxel
-/// with many points has the spacing of its own density, if that is shorter.
+/// varies, sides are computed on a grid and interpolated. Where that is much too long for a voxel with many points, the
+/// spacing is that of the voxel's density.
 class VolumeSpacing {
 public:
     /// Largest distance at which another site pushes a site, relative to the site's own reach. It is a limit only where
@@ -48,7 +48,7 @@ private:
     double mean_;
     Point3 domain_sides_;
     std::array<std::size_t, 3> cells_{};
-    const VoxelDensity* crowded_ = nullptr;  ///< the density, if a small voxel has many points
+    const VoxelDensity* crowded_ = nullptr;  ///< the density, if a voxel has many points
     double many_ = 0;                        ///< density of a voxel with many points, relative to the mean density
     std::vector<float> sides_;  ///< [z][y][x] sides at the centres of cells; empty if the density is uniform
 };

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
-#include <vector>
 
 namespace ccdt {
 
@@ -17,11 +16,11 @@ constexpr double kLimit = 0.55;
 /// be precise, nearly six. SemicircleKernel documents the errors.
 constexpr double kCellsPerSpacing = 1.8, kPreciseCells = 3.2;
 constexpr std::size_t kCells = 512;  ///< cells per task
-/// Largest density that octave 0 resolves, relative to the mean density. In a ball with the density 1 / r^2, the
-/// density is 15 at the average site.
+/// Largest density that octave 0 resolves, relative to the mean density. In the ball of tests/bench/volume.py, with the
+/// density 1 / r^2, the density is 18 at the average site.
 constexpr double kMaxContrast = 16;
-/// Limits on the cells of octave 0. The cells for a domain that fills its bounding box, without contrast, are the unit
-/// of kMostVolumes, which bounds the memory per site: a solid that fills a small part of its bounding box reaches it.
+/// Limits on the cells of octave 0. kMostVolumes is relative to the cells of a domain without contrast that fills its
+/// bounding box. It bounds the memory per site, and is reached by solids that fill a small part of their bounding box.
 /// Few sites may have as many cells as kMaxContrast needs, up to kManyCells, and any number of sites kFewestCells. With
 /// its margin, the grid of a thin box may have twice as many.
 constexpr double kMostVolumes = 3.8, kFewestCells = 1 << 17, kManyCells = 1 << 19;
@@ -81,7 +80,7 @@ OctaveTransport<Point3> volume_transport(const BoxDomain3& box, double volume, c
             }
         });
         if (stop.stop_requested()) return transport;
-        transport.assign_octaves(spacings, mass_of);
+        transport.assign_octaves(spacings, mass_of, stop);
     }
     transport.set_targets(mass_of, stop);
     transport.release_memory();

@@ -2,9 +2,10 @@
 #include "core/volume/voxel_density.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <string>
+
+#include "core/volume/point_text.h"
 
 namespace ccdt {
 
@@ -12,22 +13,20 @@ Result<bool> VoxelDensity::check(const std::array<std::size_t, 3>& voxels,
                                  const std::function<double(std::size_t index)>& value) {
     const auto [columns, rows, layers] = voxels;
     const double first = value(0);
-    bool is_zero = true, is_even = true;
+    bool is_zero = true, are_equal = true;
     for (std::size_t i = 0; i < columns * rows * layers; ++i) {
         const double density = value(i);
         is_zero = is_zero && density == 0;
-        is_even = is_even && density == first;
+        are_equal = are_equal && density == first;
         if (density >= 0 && std::isfinite(density)) continue;
-        char digits[32];
-        const std::string number(digits, std::to_chars(digits, digits + sizeof digits, density).ptr);
         return failure(ErrorCode::Malformed,
-                       "the density is " + number + " in voxel (" + std::to_string(i % columns) + ", " +
+                       "the density is " + text(density) + " in voxel (" + std::to_string(i % columns) + ", " +
                            std::to_string(i / columns % rows) + ", " + std::to_string(i / columns / rows) +
                            "), but must be finite and at least 0",
                        "density/" + std::to_string(i));
     }
     if (is_zero) return failure(ErrorCode::Unusable, "the density is 0 everywhere", "density");
-    return is_even;
+    return are_equal;
 }
 
 Result<VoxelDensity> VoxelDensity::create(const std::array<std::size_t, 3>& voxels, std::span<const double> values) {
@@ -36,9 +35,9 @@ Result<VoxelDensity> VoxelDensity::create(const std::array<std::size_t, 3>& voxe
     if (columns == 0 || rows == 0 || layers == 0 || values.size() / columns / rows != layers ||
         values.size() != columns * rows * layers)
         return failure(ErrorCode::Malformed, "the density must have one value for each voxel", "density");
-    const auto is_even = check(voxels, [values](std::size_t i) { return values[i]; });
-    if (!is_even) return tl::unexpected(is_even.error());
-    if (*is_even) return uniform();
+    const auto are_equal = check(voxels, [values](std::size_t i) { return values[i]; });
+    if (!are_equal) return tl::unexpected(are_equal.error());
+    if (*are_equal) return uniform();
 
     const double largest = std::ranges::max(values);
     VoxelDensity density;

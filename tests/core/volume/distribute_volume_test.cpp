@@ -226,15 +226,20 @@ TEST(DistributeInVolume, FollowsTheDensity) {
 }
 
 TEST(DistributeInVolume, SpreadsPointsInASingleVoxel) {
-    // The spacing of the points is much smaller than the cells in which spacings are computed.
-    const std::size_t side = 48;
-    std::vector<double> values(side * side * side, 0);
-    values[0] = 1;
-    const auto points = distributed(kBox, {.sites = 300}, *VoxelDensity::create({side, side, side}, values)).points;
-    for (const Point3 p : points) ASSERT_LT(std::max({p.x, p.y, p.z}), 1.0 / side);
-    const Distances found = distances({{1.0 / side, 1.0 / side, 1.0 / side}}, points);
-    EXPECT_GT(found.least, 0.8);
-    EXPECT_GT(found.mean, 0.85);
+    // The spacing of the points is much smaller than the cells in which spacings are computed. These cells are larger
+    // than the voxels, then about as large.
+    for (const auto& [number, sites] : {std::pair(48, 300), std::pair(24, 1200)}) {
+        const auto voxels = static_cast<std::size_t>(number);
+        const double side = 1.0 / number;
+        std::vector<double> values(voxels * voxels * voxels, 0);
+        values[0] = 1;
+        const auto density = VoxelDensity::create({voxels, voxels, voxels}, values);
+        const auto points = distributed(kBox, {.sites = static_cast<std::size_t>(sites)}, *density).points;
+        for (const Point3 p : points) ASSERT_LT(std::max({p.x, p.y, p.z}), side);
+        const Distances found = distances({{side, side, side}}, points);
+        EXPECT_GT(found.least, 0.6);
+        EXPECT_GT(found.mean, 0.84);
+    }
 }
 
 TEST(DistributeInVolume, KeepsSitesAwayFromFixedPoints) {
