@@ -12,17 +12,28 @@ const methods = capabilities.sample.methods.toReversed();  // CCDT comes last
 const maxInSpectrum = 131072;  // points; their spectrum has 8 million values
 const digits = 11;  // significant digits of the largest coordinates, so that two million points take less than 64 MiB
 const maxToCompare = 1024;  // points; CCVT takes a second for this number
-const maxCentres = 300;  // points of a mesh that may be the centre of the measured cube
+const maxCentres = 300;  // points in a mesh that may be the centre of the measured cube
+const minInCube = 20;  // points of a measured cube
+const crease = 30;  // degrees; with creases, the surface has the sharp edges of the mesh
 const whitest = 2.5;  // power at and above which pixels are white
 
-/** Returns the points in the largest cube around one of them that contains no vertex of the surface, and the cube. */
-function cubeInside(points, vertices) {
-  const distance = (p, q) => Math.max(Math.abs(p[0] - q[0]), Math.abs(p[1] - q[1]), Math.abs(p[2] - q[2]));
+/**
+ * Returns the points in the largest cube around one of them that meets no bounding box of a triangle of the surface,
+ * and the cube.
+ */
+function cubeInside(points, { vertices, triangles }) {
+  const boxes = triangles.map((triangle) => [0, 1, 2].map((axis) => {
+    const [a, b, c] = triangle.map((vertex) => vertices[vertex][axis]);
+    return [Math.min(a, b, c), Math.max(a, b, c)];
+  }));
+  const distance = (p, box) => box.reduce((most, [low, high], axis) => Math.max(most, low - p[axis], p[axis] - high), 0);
   const step = Math.ceil(points.length / maxCentres);
   const { half, centre } = points.filter((_, i) => i % step === 0)
-    .map((centre) => ({ centre, half: vertices.reduce((least, vertex) => Math.min(least, distance(centre, vertex)), Infinity) }))
+    .map((centre) => ({ centre, half: boxes.reduce((least, box) => Math.min(least, distance(centre, box)), Infinity) }))
     .reduce((best, each) => (each.half > best.half ? each : best));
-  const inside = points.filter((point) => distance(point, centre) < half * (1 - 1e-9));  // also after rounding
+  const reach = half * (1 - 1e-9);  // so that points are inside also after rounding
+  const inside = points.filter((point) => point.every((value, axis) => Math.abs(value - centre[axis]) < reach));
+  if (inside.length < minInCube) throw new Error(`A cube inside the mesh has only ${count(inside.length)} of the points, too few to be measured`);
   const side = 2 * half;
   return {
     points: inside.map((point) => point.map((value, axis) => value - centre[axis] + half)),
@@ -111,8 +122,7 @@ export class Analyze extends Panel {
     if (!shape || this.sample.isMask) throw new Error("There are no points yet. Make some in the tab Sample");
     const result = this.sample.result ?? (await this.sample.fetch(signal, { onProgress: this.showJob }));
     if (this.sample.isMesh && !result.surface) {
-      const { vertices } = await this.sample.surface(signal, this.showJob);
-      return { ...cubeInside(result.points, vertices), note: notes.solid };
+      return { ...cubeInside(result.points, await this.sample.surface(signal, this.showJob, { crease })), note: notes.solid };
     }
     return { ...windowOf(result), note: notes[result.shape.domain?.depth ? "space" : result.shape.domain?.type ?? (result.surface ? "surface" : result.features ? "map" : "polygon")] };
   }

@@ -692,8 +692,7 @@ export class Sample extends Panel {
   }
 
   /** Requests the surface to show: a triangulation of evenly spread points, because the page cannot read meshes. */
-  async surface(signal, onProgress) {
-    const { crease } = this.surfaceFields.values();
+  async surface(signal, onProgress, { crease } = this.surfaceFields.values()) {
     const { mesh } = await this.#frame({ sites: shownVertices, quality: "draft", mesh: true, ...(crease && { crease }) }, signal, onProgress);
     return mesh;
   }
