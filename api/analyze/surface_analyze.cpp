@@ -22,15 +22,11 @@ namespace {
 constexpr const FileFormat* kFormats[] = {&kJson};
 
 Result<void> read_points(const Input& input, const Limits& limits, SurfaceAnalyzeRequest& request) {
-    return assign(request.points, read_text(input)
-                                      .and_then([&](std::string_view text) { return read_point_file3(text, limits); })
-                                      .map_error([&](Error error) {
-                                          // The message may begin with a JSON Pointer in the file.
-                                          error.message.insert(
-                                              0, input.name + (error.message.starts_with('/') ? "" : ": "));
-                                          error.field = input.field;
-                                          return error;
-                                      }));
+    const auto text = read_text(input);
+    if (!text) return tl::unexpected(text.error());
+    return assign(request.points, read_point_file3(*text, limits).map_error([&](Error error) {
+        return error_in_text(std::move(error), input);
+    }));
 }
 
 constexpr std::array<OptionRule<SurfaceAnalyzeRequest>, 3> kRules = {{

@@ -89,12 +89,18 @@ Result<std::string_view> read_text(const Input& input) {
 }
 
 Result<JsonDocument> parse_json(const Input& input) {
-    return read_text(input).and_then(JsonDocument::parse).map_error([&](Error error) {
-        constexpr std::string_view kSubject = "the body";
-        if (error.message.starts_with(kSubject)) error.message.replace(0, kSubject.size(), input.name);
-        error.field = input.field;
-        return error;
-    });
+    const auto text = read_text(input);
+    if (!text) return tl::unexpected(text.error());
+    return JsonDocument::parse(*text).map_error([&](Error error) { return error_in_text(std::move(error), input); });
+}
+
+Error error_in_text(Error error, const Input& input) {
+    constexpr std::string_view kSubject = "the body";
+    const std::size_t replaced = error.message.starts_with(kSubject) ? kSubject.size() : 0;
+    const bool continues = replaced > 0 || error.message.starts_with('/');
+    error.message.replace(0, replaced, input.name + (continues ? "" : ": "));
+    error.field = input.field;
+    return error;
 }
 
 Result<JsonDocument> parse_list(const Input& input) {

@@ -52,6 +52,10 @@ Result<std::string_view> read_text(const Input& input);
 /// Parses text that is JSON. Errors: Malformed.
 Result<JsonDocument> parse_json(const Input& input);
 
+/// Converts an error about the contents of a body to one about an option whose text was read like a body. The message
+/// may begin with a JSON Pointer in the text.
+Error error_in_text(Error error, const Input& input);
+
 /// Parses text that is a list in JSON. Errors: Malformed.
 Result<JsonDocument> parse_list(const Input& input);
 
@@ -94,7 +98,7 @@ tl::unexpected<Error> malformed(const Input& input, std::string_view what);
 /// @param pointer  JSON Pointer to the part
 Error error_below(Error error, std::string_view pointer);
 
-/// Shortens text from a client to its first 64 bytes, for use in messages.
+/// Shortens text from a client to its first 64 bytes, for use in messages. Control characters become spaces.
 std::string excerpt(std::string_view text);
 
 /// Lists options that are given as text. The inputs refer to memory of the options.

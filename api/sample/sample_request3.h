@@ -42,8 +42,8 @@ inline Result<double> read_crease(const Input& input) {
     return read_number(input, kAngles).map([](double degrees) { return degrees * (std::numbers::pi / 180); });
 }
 
-/// Members that requests for points on surfaces and in space share. A request also has the function formats(), which
-/// returns the formats of its answer.
+/// Members that requests for points on surfaces and in space, which have three coordinates, share. A request also has
+/// the function formats(), which returns the formats of its answer.
 /// @tparam Run     options of the distribution
 /// @tparam Points  placed points: PlacedSurface or PlacedVolume
 template <class Run, class Points>

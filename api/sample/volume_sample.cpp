@@ -9,6 +9,7 @@
 
 #include "api/input/domain_reader.h"
 #include "api/input/option_reader.h"
+#include "api/input/polygon_reader.h"
 #include "api/output/stage_costs.h"
 #include "api/run/stopwatch.h"
 #include "api/sample/ordering.h"
@@ -34,7 +35,7 @@ Result<void> read_domain(const Input& input, Draft& draft) {
     static constexpr Choice<DomainWord> kWords[] = {
         {"box", DomainWord::Box}, {"torus", DomainWord::Torus}, {"solid", DomainWord::Solid}};
     const auto text = read_text(input);
-    if (text && !trim(*text).starts_with('{'))
+    if (text && (draft.is_json || !trim(*text).starts_with('{')))
         return assign(draft.word, read_choice<DomainWord>(input, kWords).map_error([](Error error) {
             error.message += ", or an object in JSON";
             return error;
@@ -74,7 +75,7 @@ Result<void> settle_domain(Draft& draft) {
     if (any_side && draft.solid) return wrong("domain", "solid allows no width, height or depth");
     if (any_side && draft.is_object)
         return wrong("domain", "must be the word box or torus if width, height or depth is an option");
-    if (!draft.solid && draft.word == DomainWord::Solid) return wrong("domain", "solid needs a mesh as the body");
+    if (!draft.solid && draft.word == DomainWord::Solid) return wrong("domain", "solid needs a mesh");
     if (draft.is_object || draft.solid) return {};
     const auto side_or = [&](double given, std::size_t axis) {
         return given > 0 ? given : static_cast<double>(draft.density.voxels[axis]);
@@ -87,7 +88,7 @@ Result<void> settle_domain(Draft& draft) {
 }
 
 /// Checks that the quality is available for a density that may not be uniform.
-Result<void> check_density(const VolumeRequest& request, bool is_uniform) {
+Result<void> check_quality_for_density(const VolumeRequest& request, bool is_uniform) {
     if (is_uniform || request.run.quality != Quality::Stealthy) return {};
     return wrong("quality", "stealthy needs a uniform density");
 }
@@ -96,7 +97,8 @@ Result<void> check_quality(const VolumeRequest& request) {
     if (request.run.quality != Quality::Stealthy) return {};
     if (request.solid || !request.domain.periodic) return wrong("quality", "stealthy needs a domain of the type torus");
     if (!request.run.fixed.empty()) return wrong("quality", "stealthy allows no fixed points");
-    if (auto even = check_density(request, request.density.is_uniform.value_or(true)); !even) return even;
+    if (auto checked = check_quality_for_density(request, request.density.is_uniform.value_or(true)); !checked)
+        return checked;
     constexpr double kFewest = 16;  // sites in a cube; with fewer, power above -100 dB may remain
     const auto& [x, y, z] = request.domain.sides;
     const double side = std::min({x, y, z});
@@ -108,8 +110,10 @@ Result<void> check(Draft& draft, std::string_view accept) {
     ErrorList errors;
     const auto settled = settle_domain(draft);
     errors.add(settled);
-    if (settled) errors.add(draft.solid ? check_sites(draft.run) : check_volume(draft.domain, draft.run));
-    if (settled) errors.add(check_quality(draft));
+    if (settled) {
+        errors.add(draft.solid ? check_sites(draft.run) : check_volume(draft.domain, draft.run));
+        errors.add(check_quality(draft));
+    }
     errors.add(settle_format(accept, draft));
     return errors.result();
 }
@@ -159,10 +163,10 @@ std::vector<std::string_view> volume_options() {
 }
 
 bool asks_for_volume(JsonValue root) {
-    const auto domain = root.is_object() ? root.find("domain") : std::nullopt;
-    if (!domain || domain->is_string()) return domain.has_value();
+    const auto domain = root.is_object() && !is_geojson(root) ? root.find("domain") : std::nullopt;
+    if (!domain || !(domain->is_string() || is_box(*domain))) return false;
     const auto format = root.find("format");
-    return is_box(*domain) && !(format && format->is_string() && format->text().starts_with("mask"));
+    return !(format && format->is_string() && format->text().starts_with("mask"));
 }
 
 bool asks_for_solid(const std::vector<TextOption>& options) {
@@ -206,8 +210,8 @@ Result<PlacedVolume> place_sample3(const VolumeRequest& request, const Decode& d
     Stopwatch watch;
     const auto density = make_density(request.density, decode, control.stop).map_error(located);
     if (!density) return tl::unexpected(density.error());
-    if (auto even = check_density(request, density->is_uniform()).map_error(located); !even)
-        return tl::unexpected(even.error());
+    if (auto checked = check_quality_for_density(request, density->is_uniform()).map_error(located); !checked)
+        return tl::unexpected(checked.error());
     std::optional<Solid> solid;
     if (request.solid) {
         auto made = make_solid(request, decode, control.stop, placed);

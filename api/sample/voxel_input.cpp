@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "api/image/image_header.h"
-#include "api/input/npy_reader.h"
 #include "api/json/json_document.h"
 #include "api/text/text.h"
 
@@ -75,10 +74,11 @@ auto reader_of(const NpyArray& array) {
 /// Checks the values of voxels, unless they are in a TIFF.
 Result<VoxelInput> checked(VoxelInput input) {
     if (input.is_tiff()) return input;
-    auto even = input.file.empty() ? VoxelDensity::check(input.voxels, [&](std::size_t i) { return input.values[i]; })
-                                   : VoxelDensity::check(input.voxels, reader_of(*read_npy(input.file)));
-    if (!even) return tl::unexpected(std::move(even.error()));
-    input.is_uniform = *even;
+    auto uniform = input.file.empty()
+                       ? VoxelDensity::check(input.voxels, [&](std::size_t i) { return input.values[i]; })
+                       : VoxelDensity::check(input.voxels, reader_of(*read_npy(input.file)));
+    if (!uniform) return tl::unexpected(std::move(uniform.error()));
+    input.is_uniform = *uniform;
     return input;
 }
 

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "api/decode/decode.h"
+#include "api/input/npy_reader.h"
 #include "api/input/option_reader.h"
 #include "api/run/estimate.h"
 #include "api/run/options.h"
@@ -28,7 +29,7 @@ struct VoxelInput : VoxelGrid {
     std::optional<bool> is_uniform = true;  ///< whether all densities are equal; none: unknown until a TIFF is read
     std::shared_ptr<const std::string> owned = {};
 
-    bool is_tiff() const { return !is_uniform.has_value(); }
+    bool is_tiff() const { return !file.empty() && !is_npy(file); }
     double count() const {
         return static_cast<double>(voxels[0]) * static_cast<double>(voxels[1]) * static_cast<double>(voxels[2]);
     }

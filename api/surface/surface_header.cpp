@@ -428,6 +428,7 @@ std::uint64_t size_of_ply_type(std::string_view type) {
     constexpr auto kTypes =
         std::to_array<std::string_view>({"char", "uchar", "int8", "uint8", "short", "ushort", "int16", "uint16", "int",
                                          "uint", "int32", "uint32", "float", "float32", "double", "float64"});
+    // The last size is that of unknown types.
     constexpr auto kSizes = std::to_array<std::uint64_t>({1, 1, 1, 1, 2, 2, 2, 2, 4, 4, 4, 4, 4, 4, 8, 8, 0});
     return kSizes[static_cast<std::size_t>(std::ranges::find(kTypes, type) - kTypes.begin())];
 }

@@ -93,10 +93,11 @@ const std::string* find_mesh(const Arguments& arguments) {
     return found == arguments.given.end() ? nullptr : &found->value;
 }
 
-/// Whether the option `domain` is a domain in space: a word other than `surface`, or an object that is a box.
-bool is_in_space(const Arguments& arguments) {
+/// Whether the option `domain` is a box or torus in space, as an object.
+/// @param otherwise  the result if the option is absent or a word
+bool is_in_space(const Arguments& arguments, bool otherwise) {
     const std::string* const domain = arguments.find("domain");
-    if (domain == nullptr || !begins_like_json(*domain)) return domain != nullptr && *domain != "surface";
+    if (domain == nullptr || !begins_like_json(*domain)) return otherwise;
     const auto parsed = api::JsonDocument::parse(*domain);
     return parsed && api::is_box(parsed->root());
 }
@@ -116,7 +117,7 @@ Result<std::string> build_sample_body(const Arguments& arguments, const std::str
 Result<std::string> build_analyze_body(const Arguments& arguments, const std::string* file) {
     if (file == nullptr) return build_object("{", arguments);
     const auto build = [&](const auto& points) { return build_object(R"({"points":)" + list_of(points), arguments); };
-    if (arguments.find("domain") == nullptr ? api::is_point_file3(*file) : is_in_space(arguments))
+    if (is_in_space(arguments, api::is_point_file3(*file)))
         return api::read_point_file3(*file, arguments.limits).and_then(build);
     return api::read_point_file(*file, arguments.limits).and_then(build);
 }
@@ -169,8 +170,8 @@ Result<void> read_value_files(Arguments& arguments) {
         value = *std::move(content);
         if (!is_mesh) files.push_back(&value);
     }
-    // Only now, the domain is known.
-    const bool in_space = is_in_space(arguments);
+    // Only now, the domain is known. Words are for surfaces, which have lists of densities, and for space.
+    const bool in_space = is_in_space(arguments, arguments.find("domain") != nullptr);
     for (std::string* const value : files) {
         const bool is_kept =
             begins_like_json(*value) || api::is_npy(*value) || (in_space && api::is_voxel_file(*value));

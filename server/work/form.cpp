@@ -31,7 +31,8 @@ Result<const FormPart*> find_body(const std::vector<FormPart>& fields, std::stri
     const std::string name(part), names = part == kMap ? "`map`, `file` or `mesh`" : '`' + name + "` or `file`";
     for (const FormPart& field : fields) {
         if (!is_body(field, part)) continue;
-        if (body != nullptr) return failure(ErrorCode::Malformed, "the form has more than one part " + names, name);
+        if (body != nullptr)
+            return failure(ErrorCode::Malformed, "the form has more than one of the parts " + names, field.name);
         body = &field;
     }
     if (body != nullptr) return body;

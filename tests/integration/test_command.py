@@ -142,6 +142,7 @@ class Answers(ServerCase, Folder):
                     expected[answer] = post_json(self.server, "/analyze", body)
                 with self.subTest(kind, answer=answer):
                     self.compare(expected[answer], "analyze", points, "--max-frequency=3", "--format", answer)
+            self.assert_fails(run("analyze", points, "--domain=square"), 2, "--domain must be a JSON object")
 
     def test_analyses_on_meshes_equal_those_of_the_service(self):
         points = self.folder / "points.ply"

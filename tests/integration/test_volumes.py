@@ -2,6 +2,7 @@
 """POST /sample with domains in space."""
 
 import io
+import json
 import re
 import tempfile
 import unittest
@@ -103,6 +104,11 @@ class Points(VolumeCase):
         self.assertEqual(first.body, self.post("-H", "Cache-Control: no-cache", **request).body)
         self.assertNotEqual(first.body, self.post(**request, seed=1).body)
         self.assertEqual(self.post("-H", "If-None-Match: " + first.headers["etag"], **request).status, 304)
+
+    def test_are_not_requested_by_a_foreign_member_of_geojson(self):
+        triangle = {"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [0, 1], [0, 0]]], "domain": "EU"}
+        answer = self.ask("/sample?sites=9", data=json.dumps(triangle).encode())
+        self.assertEqual((answer.status, answer.json()["sites"]), (200, 9), answer)
 
     def test_can_be_jobs(self):
         job = self.ask("/sample?sites=80&format=csv", "-H", "Prefer: respond-async", data=npy_of(VOXELS)).headers["location"]

@@ -86,6 +86,8 @@ def test_errors_name_the_field(client):
     with pytest.raises(ccdt.Error, match="PNG") as refused:
         client.halftone(b"no picture")
     assert refused.value.status == 415
+    with pytest.raises(ccdt.Error, match="the file of a mesh"):
+        client.analyze([[0, 0, 0], [1, 0, 0]], ccdt.Solid("cube.obj"))
     with pytest.raises(ccdt.Error, match="http://"):
         Client("localhost")
 

@@ -21,7 +21,7 @@ from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple
 
 from ._files import Path, read_file, write_file
 from ._options import Progress, mesh_texts, texts_of
-from .domains import Solid, domain_member, is_mesh_file, jsonable, region_members
+from .domains import Mesh, Solid, domain_member, is_mesh_file, jsonable, region_members
 from .errors import Error
 
 Request = Tuple[str, bytes, str]  # path with query, body, media type
@@ -269,6 +269,8 @@ def _analyze(points: Any, members: Mapping[str, Any]) -> Request:
     domain = members["domain"]
     if is_mesh_file(domain):
         return _mesh_request("/analyze", domain, {**members, "points": points, "domain": None})
+    if isinstance(domain, (Mesh, Solid)):
+        raise Error("domain must be a torus, a rectangle, a box or the file of a mesh", field="domain")
     if domain is not None and not isinstance(domain, dict):
         domain = domain_member(domain)
     return "/analyze", _body({**members, "points": points, "domain": domain}), "application/json"
