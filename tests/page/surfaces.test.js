@@ -259,6 +259,16 @@ test("places points inside a mesh", async () => {
   assert.ok(Number(number) > 20 && Number(mean) > 0.75, `${number} points, ${mean}`);
 });
 
+test("measures no cube across a thin wall", async () => {
+  const { page } = world;
+  await open(page, "&domain=solid&sites=20000");
+  const plate = corners.map(([x, y, z]) => `v ${20 * x} ${20 * y} ${z / 10}`);
+  await choose("plate.obj", text(...plate, ...squares.map((square) => `f ${square.map((i) => i + 1).join(" ")}`)));
+  await page.click("#tab-analyze");
+  await settled(page, "analyze", "failed");
+  assert.match(await page.textContent("#analyze .general"), /only \d+ of the points, too few/);
+});
+
 test("restores its settings from the address", async () => {
   await open(world.page, "&density=color&crease=30&sites=500&mesh=on");
   assert.deepEqual(Object.fromEntries(await query()), { sites: "500", density: "color", crease: "30", iterations: "10", mesh: "true" });
