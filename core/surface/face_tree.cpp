@@ -83,10 +83,14 @@ bool FaceTree::Node::is_on_ray(Point3 p) const {
     const Point3 local = along_axes(p);
     double from = 0, to = kInfinity;
     for (std::size_t k = 0; k < 3; ++k) {
-        const double at = along(local, k), per_step = 1 / static_cast<double>(axes[k][0]);
-        const double low = (min[k] - kRounding - at) * per_step, high = (max[k] + kRounding - at) * per_step;
-        from = std::max(from, std::min(low, high));
-        to = std::min(to, std::max(low, high));
+        const double rate = static_cast<double>(axes[k][0]);  // per step along x
+        const double low = min[k] - kRounding - along(local, k), high = max[k] + kRounding - along(local, k);
+        if (rate == 0) {
+            if (low > 0 || high < 0) return false;
+            continue;
+        }
+        from = std::max(from, std::min(low / rate, high / rate));
+        to = std::min(to, std::max(low / rate, high / rate));
     }
     return from <= to;
 }
