@@ -77,8 +77,8 @@ double low_power(std::span<const Point3> points) {
 double volume_of(const TetrahedronMesh& mesh, const BoxDomain3& domain) {
     double sum = 0;
     for (const auto& [a, b, c, d] : mesh.tetrahedra) {
-        const auto from_a = [&](std::uint32_t corner) {
-            Point3 away = mesh.vertices[corner] - mesh.vertices[a];
+        const auto from_a = [&, origin = mesh.vertices[a]](std::uint32_t corner) {
+            Point3 away = mesh.vertices[corner] - origin;
             if (domain.periodic) {
                 away.x -= domain.sides.x * std::round(away.x / domain.sides.x);
                 away.y -= domain.sides.y * std::round(away.y / domain.sides.y);
