@@ -88,8 +88,10 @@ double VolumeSpacing::side(Point3 p) const {
     if (crowded_ == nullptr) return side;
     const auto place = by_axis<Point3>(
         [&](std::size_t axis) { return std::clamp(along(p, axis) / along(domain_sides_, axis), 0.0, 1.0); });
-    const double density = crowded_->at(place), own = mean_ / std::cbrt(density);
-    return density >= many_ && own < kShort * side ? own : side;
+    const double density = crowded_->at(place);
+    if (density < many_) return side;
+    const double own = mean_ / std::cbrt(density);
+    return own < kShort * side ? own : side;
 }
 
 }  // namespace ccdt
