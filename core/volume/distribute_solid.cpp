@@ -23,17 +23,8 @@ constexpr double kCellsPerSite = 8, kFewestCells = 1 << 17;
 std::vector<double> densities_inside(Solid::Coverage coverage, const VoxelDensity& density) {
     std::vector<double> values = std::move(coverage.shares);
     if (density.is_uniform()) return values;
-    const auto [columns, rows, layers] = coverage.cells;
-    const Point3 cell{1.0 / static_cast<double>(columns), 1.0 / static_cast<double>(rows),
-                      1.0 / static_cast<double>(layers)};
     for (std::size_t i = 0; i < values.size(); ++i) {
-        if (values[i] == 0) continue;
-        const auto x = static_cast<double>(i % columns), y = static_cast<double>(i / columns % rows),
-                   z = static_cast<double>(i / columns / rows);
-        const Box3 box{
-            {x * cell.x, y * cell.y, z * cell.z},
-            {std::min(1.0, (x + 1) * cell.x), std::min(1.0, (y + 1) * cell.y), std::min(1.0, (z + 1) * cell.z)}};
-        values[i] *= density.mass(box) * static_cast<double>(values.size());
+        if (values[i] > 0) values[i] *= density.mass(cell_box(coverage.cells, i)) * static_cast<double>(values.size());
     }
     return values;
 }

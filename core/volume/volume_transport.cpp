@@ -2,6 +2,7 @@
 #include "core/volume/volume_transport.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 
@@ -60,21 +61,15 @@ OctaveTransport<Point3> volume_transport(const BoxDomain3& box, double volume, c
     if (density.is_uniform()) return transport;
     WaveGrid3& grid = transport.finest();
     const auto [columns, rows, layers] = grid.cells();
-    const auto width = static_cast<std::size_t>(columns), height = static_cast<std::size_t>(rows);
-    const Point3 cell{1.0 / columns, 1.0 / rows, 1.0 / layers}, sides = box.sides;
-    const auto part_of = [&](std::size_t number) {
-        const auto x = static_cast<double>(number % width), y = static_cast<double>(number / width % height),
-                   z = static_cast<double>(number / width / height);
-        return Box3{
-            {x * cell.x, y * cell.y, z * cell.z},
-            {std::min(1.0, (x + 1) * cell.x), std::min(1.0, (y + 1) * cell.y), std::min(1.0, (z + 1) * cell.z)}};
-    };
-    const auto mass_of = [&](std::size_t number) { return count * density.mass(part_of(number)); };
+    const std::array cells_of_grid{static_cast<std::size_t>(columns), static_cast<std::size_t>(rows),
+                                   static_cast<std::size_t>(layers)};
+    const Point3 sides = box.sides;
+    const auto mass_of = [&](std::size_t number) { return count * density.mass(cell_box(cells_of_grid, number)); };
     if (!spacing.is_uniform()) {
         const std::span<double> spacings = grid.grid();
         for_ranges(executor, spacings.size(), kCells, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end && !stop.stop_requested(); ++i) {
-                const Box3 part = part_of(i);
+                const Box3 part = cell_box(cells_of_grid, i);
                 const Point3 middle = 0.5 * (part.min + part.max);
                 spacings[i] = spacing.side({middle.x * sides.x, middle.y * sides.y, middle.z * sides.z});
             }

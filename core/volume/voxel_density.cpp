@@ -161,4 +161,14 @@ Point3 VoxelDensity::draw(Box3 box, const std::array<double, 3>& shares) const {
     return p;
 }
 
+Box3 cell_box(const std::array<std::size_t, 3>& cells, std::size_t number) {
+    const auto [columns, rows, layers] = cells;
+    const Point3 cell{1.0 / static_cast<double>(columns), 1.0 / static_cast<double>(rows),
+                      1.0 / static_cast<double>(layers)};
+    const auto x = static_cast<double>(number % columns), y = static_cast<double>(number / columns % rows),
+               z = static_cast<double>(number / columns / rows);
+    return {{x * cell.x, y * cell.y, z * cell.z},
+            {std::min(1.0, (x + 1) * cell.x), std::min(1.0, (y + 1) * cell.y), std::min(1.0, (z + 1) * cell.z)}};
+}
+
 }  // namespace ccdt

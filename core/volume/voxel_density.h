@@ -83,4 +83,9 @@ private:
     std::vector<bool> positive_;  ///< [voxels] whether the density is > 0; empty if it is > 0 everywhere
 };
 
+/// Returns a cell of a grid over the unit cube.
+/// @param cells   number of cells along x, y and z
+/// @param number  number of the cell, counted along x, then y, then z
+Box3 cell_box(const std::array<std::size_t, 3>& cells, std::size_t number);
+
 }  // namespace ccdt
