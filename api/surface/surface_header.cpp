@@ -425,12 +425,11 @@ std::optional<SurfaceFormat> recognise_surface(std::string_view bytes, std::stri
 }
 
 std::uint64_t size_of_ply_type(std::string_view type) {
-    constexpr auto kTypes =
-        std::to_array<std::string_view>({"char", "uchar", "int8", "uint8", "short", "ushort", "int16", "uint16", "int",
-                                         "uint", "int32", "uint32", "float", "float32", "double", "float64"});
-    // The last size is that of unknown types.
-    constexpr auto kSizes = std::to_array<std::uint64_t>({1, 1, 1, 1, 2, 2, 2, 2, 4, 4, 4, 4, 4, 4, 8, 8, 0});
-    return kSizes[static_cast<std::size_t>(std::ranges::find(kTypes, type) - kTypes.begin())];
+    const auto is_any_of = [type](auto... names) { return ((type == names) || ...); };
+    if (is_any_of("char", "uchar", "int8", "uint8")) return 1;
+    if (is_any_of("short", "ushort", "int16", "uint16")) return 2;
+    if (is_any_of("int", "uint", "int32", "uint32", "float", "float32")) return 4;
+    return is_any_of("double", "float64") ? 8 : 0;
 }
 
 tl::unexpected<Error> too_many_faces(std::uint64_t max_faces) {
