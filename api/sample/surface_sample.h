@@ -40,9 +40,8 @@ std::vector<std::string_view> surface_options();
 /// @param accept   the Accept header, empty if there is none; the option `format` takes precedence
 /// Errors: those of `file`; Malformed for an unknown or repeated option, for a value out of range, if `sites` is
 /// missing, and for a format of meshes without `mesh`; Unusable for a list of densities without a number above 0;
-/// LimitExceeded for too many sites or fixed points; NotAcceptable
-/// if the client accepts none of the formats. Error::field is the name of an option; for a list, the index of the
-/// faulty element follows: `density/3`.
+/// LimitExceeded for too many sites or fixed points; NotAcceptable if the client accepts none of the formats.
+/// Error::field is the name of an option; for a list, the index of the faulty element follows: `density/3`.
 Result<SurfaceRequest> parse_surface(Result<SurfaceFile> file, const std::vector<TextOption>& options,
                                      std::string_view accept, const Limits& limits);
 
