@@ -38,7 +38,7 @@ double side_at(const BoxDomain3& domain, const VoxelDensity& density, double poi
         const double number = held(side);
         if (std::abs(number - 1) < kTolerance) return side;
         (number < 1 ? low : high) = side;
-        const double guess = side / std::cbrt(number);  // right if the density is uniform
+        const double guess = number > 0 ? side / std::cbrt(number) : high;  // right if the density is uniform
         side = step % 2 == 0 && guess > low && guess < high ? guess : (low + high) / 2;
     }
     return high;
