@@ -6,8 +6,8 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
-#include <ctime>
 #include <exception>
+#include <filesystem>
 #include <mutex>
 #include <new>
 #include <optional>
@@ -24,6 +24,7 @@
 #include "server/decoder/decoder_client.h"
 #include "server/decoder/decoder_protocol.h"
 #include "server/processes/messages.h"
+#include "server/processes/process.h"
 #include "server/processes/shared_number.h"
 
 namespace ccdt::server {
@@ -132,13 +133,6 @@ private:
     ThreadExecutor threads_;
 };
 
-/// Returns the processor time of this process, over all threads, in milliseconds.
-double processor_time() {
-    timespec time{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-    return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
-}
-
 /// Sends a reply with its texts.
 /// @returns  false if the channel is closed; Inbox then ends the process
 bool send_reply(int channel, Reply reply, const std::array<std::string_view, Reply::kTexts>& texts) {
@@ -211,7 +205,7 @@ Result<api::Answer> answer(const Task& task, const Computer& compute, const api:
 void reply_to(const Task& task, const Computer& compute, DecoderClient& decoder, const SharedNumberReader& lent,
               int channel) {
     const auto deaths = decoder.deaths();
-    const double before = processor_time();
+    const auto before = processor_time() + decoder.processor_time();
     LentThreads threads(lent);
     Reply reply;
     const Control control{task.stop.get_token(),
@@ -222,7 +216,8 @@ void reply_to(const Task& task, const Computer& compute, DecoderClient& decoder,
                           },
                           &threads};
     const auto result = answer(task, compute, decoder.functions(), control, reply.timings, channel);
-    reply.timings.processor = processor_time() - before;
+    const std::chrono::duration<double, std::milli> used = processor_time() + decoder.processor_time() - before;
+    reply.timings.processor = used.count();
     reply.timings.threads = static_cast<std::uint32_t>(threads.max_used());
     reply.decoder_deaths = decoder.deaths() - deaths;
     if (!result) {

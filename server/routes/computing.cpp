@@ -376,8 +376,8 @@ HttpResult<Computing::AcceptedPointer> Computing::convert_shapefile(const Accept
                                                                     Clock::time_point deadline) {
     if (!holds_shapefile(accepted->operation, accepted->request)) return accepted;
     const std::size_t max_bytes = max_shapefile_bytes(config_.max_body, pool_.memory().total());
-    Task<ComputeRequest> task = [this, accepted, max_bytes](const Control& control, api::Timings&, auto&) {
-        return with_geojson(accepted->request, max_bytes, read_shapefile_, control.stop);
+    Task<ComputeRequest> task = [this, accepted, max_bytes](const Control& control, api::Timings& timings, auto&) {
+        return with_geojson(accepted->request, max_bytes, read_shapefile_, control.stop, timings);
     };
     auto request =
         run_in_worker(std::move(task), cost_of_shapefile(accepted->request.body, max_bytes), incoming, {deadline});

@@ -285,6 +285,18 @@ class Silence(unittest.TestCase):
                 self.assertEqual(server.stop(), 0)
                 wait_until(lambda: not pathlib.Path(f"/proc/{process}").exists())
 
+    def test_of_programs_that_are_killed_ends_with_another_start(self):
+        for name in ("ccdt-decoder", "ccdt-worker"):
+            with self.subTest(name), self.server_whose_program_is_stopped(name) as (server, process):
+                os.kill(process, signal.SIGKILL)
+                server.wait_for_log("it was killed by signal 9 (Killed); it is started again")
+                (again,) = wait_until(
+                    lambda: [child for child, state in children(server.process.pid).items() if state == "T"])
+                os.kill(again, signal.SIGCONT)
+                self.assertEqual(post_json(server, "/sample", sample()).status, 200)
+                server.wait_for_log("pictures are decoded by user")
+                self.assertEqual(server.stop(), 0)
+
     def test_is_not_reported_for_busy_workers(self):
         with Server("--workers=1") as server:
             endless = {"sites": 100_000, "iterations": 1000, "passes": 100, "domain": TORUS}

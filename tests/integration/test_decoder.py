@@ -132,15 +132,22 @@ class Failures(ServerCase):
         files = {link for link in family.server.links() if "memfd" in link}
         self.assertEqual(files, {"/memfd:number (deleted)"}, "neither pictures nor replies")
 
-    def test_of_a_decoder_fail_only_its_own_picture(self):
+    def end_decoder(self, number):
+        """Requests a picture, and sends a signal to the process that decodes it. Returns the answer."""
         family = Family(self.server)
         spare = family.spare()
         # Takes a moment even on a fast machine.
         call = Call(self.server.url("/halftone?sites=50"), data=file_of(flat(99, 7900, 7900)))
         wait_until(lambda: len(family.helper().children()) == 2)
-        spare.kill()
-        self.assert_problem(call.answer(), 422, "could not be decoded")
+        spare.kill(number)
+        return call.answer()
+
+    def test_of_a_decoder_fail_only_its_own_picture(self):
+        self.assert_problem(self.end_decoder(signal.SIGSEGV), 422, "could not be decoded")
         self.halftone(CAMERA, "?sites=50")
+
+    def test_from_outside_are_repaired(self):
+        self.assertEqual(self.end_decoder(signal.SIGKILL).status, 200)
 
 
 class Start(unittest.TestCase):
