@@ -20,6 +20,7 @@
 
 #include "server/compute/compute_protocol.h"
 #include "server/decoder/decoder_protocol.h"
+#include "server/processes/child_program.h"
 #include "server/processes/messages.h"
 
 namespace ccdt::server {
@@ -34,7 +35,10 @@ constexpr std::chrono::seconds kPatience{2};
 struct NoReply {
     bool overdue = false;           ///< the computation did not stop in time
     std::optional<ChildEnd> death;  ///< report of the end of the process; none: unknown
-    bool is_killed() const { return death && WIFSIGNALED(death->status) && WTERMSIG(death->status) == SIGKILL; }
+    bool is_killed() const { return death && death->fork_error == 0 && is_killed_from_outside(death->status); }
+
+    /// Whether a repetition may succeed, because the request is not the cause.
+    bool is_temporary() const { return is_killed() || (death && death->fork_error != 0); }
 };
 
 std::string describe(const NoReply& none) {
@@ -336,7 +340,8 @@ Result<api::Answer> ComputeSupervisor::compute(const ComputeRequest& request, co
         if (was_left || control.stop.stop_requested()) return failure(ErrorCode::Stopped, describe(outcome.error()));
         const bool is_streaming = conversation.has_begun() && delivery.sink != nullptr;
         if (again || is_streaming || !outcome.error().is_killed())
-            return failure(ErrorCode::Internal, describe(outcome.error()));
+            return failure(outcome.error().is_temporary() ? ErrorCode::Unavailable : ErrorCode::Internal,
+                           describe(outcome.error()));
     }
 }
 
@@ -360,11 +365,12 @@ Result<ComputeSupervisor::Process> ComputeSupervisor::make_process(int nice, con
     for (SupervisedProgram::Socket lost;;) {
         const auto fork_server = fork_server_->wait_for_socket(lost, until, stop);
         if (fork_server == nullptr)
-            return failure(ErrorCode::Internal, "cannot start a process to compute it: the fork server is not running");
+            return failure(ErrorCode::Unavailable,
+                           "cannot start a process to compute it: the fork server is not running");
         auto channel = make_sockets(SOCK_STREAM);
         auto events = make_sockets(SOCK_SEQPACKET);
         if (!channel || !events)
-            return failure(ErrorCode::Internal,
+            return failure(ErrorCode::Unavailable,
                            std::string("cannot create sockets for a process: ") + std::strerror(errno));
         const timeval longest{options_.to_stop.count(), 0};
         setsockopt(channel->ours.get(), SOL_SOCKET, SO_SNDTIMEO, &longest, sizeof(longest));

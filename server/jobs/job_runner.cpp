@@ -16,8 +16,7 @@ namespace {
 using Clock = JobRuns::Clock;
 using Milliseconds = std::chrono::duration<double, std::milli>;
 
-/// Maximum number of runs of a job that a server crash may interrupt; after these, the job fails. Computations run in
-/// other processes and cannot crash the server, so this limit only guards against unforeseen faults.
+/// Maximum number of runs of a job that a server crash or a temporary fault may interrupt; after these, the job fails.
 constexpr int kMaxStarts = 3;
 
 /// Bounds of the interval at which expired jobs are deleted. Clients cannot find expired jobs even before their
@@ -232,8 +231,10 @@ std::optional<JobRun::End> JobRunner::compute(const Run& run, const std::stop_to
         answer = failure(ErrorCode::Internal, exception.what());
     }
     const bool whole = answer ? !answer->partial : answer.error().code != ErrorCode::Stopped;
-    const auto next = run->finish(whole);
-    if (next == JobRun::Next::Requeue) requeue(run);
+    const bool is_temporary = !answer && answer.error().code == ErrorCode::Unavailable;
+    const bool repeat = is_temporary && job.starts < kMaxStarts;
+    const auto next = run->finish(whole, repeat);
+    if (next == JobRun::Next::Requeue) requeue(run, repeat);
     if (next != JobRun::Next::Proceed) return std::nullopt;
     return end_of(run->job(), std::move(answer), writer, stages);
 }
@@ -288,9 +289,10 @@ void JobRunner::drop(const std::string& id) {
     if (const auto run = runs_.find(id)) give_up(run, JobStore::Owned::Cancelled);
 }
 
-/// Returns a job to the store, for the next process or another server.
-void JobRunner::requeue(const Run& run) {
-    (void)store_.requeue(run->job());  // if this fails, the job runs again when its lease expires
+/// Returns a job to the store, for another run, process or server.
+/// @param counted  see JobStore::requeue()
+void JobRunner::requeue(const Run& run, bool counted) {
+    (void)store_.requeue(run->job(), counted);  // if this fails, the job runs again when its lease expires
     runs_.erase(run);
 }
 

@@ -76,7 +76,7 @@ private:
     void note(const Run& run, const Progress& progress);
     bool cancel_in_pool(const Run& run);
     void give_up(const Run& run, JobStore::Owned owned);
-    void requeue(const Run& run);
+    void requeue(const Run& run, bool counted = false);
     void settle(const Run& run, JobRun::End end);
     Result<std::optional<Time>> store_end(JobRun::End& end);
     void keep_time(const std::stop_token& closing);

@@ -91,8 +91,9 @@ public:
     /// sets the stored `Job::started`.
     virtual Result<Renewal> renew(const Job& job) = 0;
 
-    /// Returns a claimed job to the front of the queue, and decrements `Job::starts`.
-    virtual Result<void> requeue(const Job& job) = 0;
+    /// Returns a claimed job to the front of the queue.
+    /// @param counted  false: decrements `Job::starts`, because this run does not count as a start
+    virtual Result<void> requeue(const Job& job, bool counted) = 0;
 
     /// Appends a piece to the result of a claimed job. Frees space as add() does. Error: LimitExceeded if there is not
     /// enough space. May be repeated after an error. The pieces are deleted unless finish() is called with a result.

@@ -413,9 +413,9 @@ Result<JobStore::Renewal> RedisJobStore::renew(const Job& job) {
                    Time(std::chrono::milliseconds(now.value_or(0)))};
 }
 
-Result<void> RedisJobStore::requeue(const Job& job) {
+Result<void> RedisJobStore::requeue(const Job& job, bool counted) {
     const std::string claim = std::to_string(job.claim);
-    return run(kRequeue, {job.id, claim}).map([](const RedisReply&) {});
+    return run(kRequeue, {job.id, claim, counted ? "1" : "0"}).map([](const RedisReply&) {});
 }
 
 Result<bool> RedisJobStore::append_piece(const Job& job, const StoredPart& before, std::string_view piece) {

@@ -171,9 +171,9 @@ Result<JobStore::Renewal> SqliteJobStore::renew(const Job& job) {
     return renewal;
 }
 
-Result<void> SqliteJobStore::requeue(const Job& job) {
+Result<void> SqliteJobStore::requeue(const Job& job, bool counted) {
     auto requeued = attempt([&] {
-        if (!queue_.requeue(job)) return;
+        if (!queue_.requeue(job) || counted) return;
         auto stored = tables_.find(job.id);
         if (!stored) return;
         --stored->job.starts;

@@ -211,7 +211,7 @@ TEST_F(ComputeSupervisorTest, DoesNotRetryAfterStreamingHasBegun) {
     Sink sink;
     const auto died = supervisor_->compute({"stream and die", "", "", "", "piece"}, {.sink = &sink}, {}, timings_);
     ASSERT_FALSE(died);
-    EXPECT_EQ(died.error().code, ErrorCode::Internal);
+    EXPECT_EQ(died.error().code, ErrorCode::Unavailable);
     EXPECT_EQ(sink.media_types, "pieces");
     EXPECT_LE(sink.pieces, 51);
     const auto failed = supervisor_->compute({"stream and fail", "", "", "", "piece"}, {.sink = &sink}, {}, timings_);
@@ -324,6 +324,7 @@ TEST_F(ComputeSupervisorTest, RetriesAComputationWhoseProcessWasKilled) {
     EXPECT_EQ(supervisor_->counts().crashes, 1U);
     std::filesystem::remove_all(file);
     const auto twice = ask({"die again", "", "", "", ""});
+    EXPECT_EQ(twice.error().code, ErrorCode::Unavailable);
     EXPECT_EQ(twice.error().message, "the process that computed it was killed by signal 9 (Killed)");
     EXPECT_EQ(supervisor_->counts().crashes, 3U);
 }
