@@ -14,10 +14,12 @@
 #include <stop_token>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <thread>
 #include <utility>
 
 #include <malloc.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "core/parallel/thread_executor.h"
@@ -63,10 +65,15 @@ private:
         while (true) {
             Call call;
             if (!receive_all(channel_, {reinterpret_cast<char*>(&call), sizeof(call)})) _exit(0);
-            if (call.kind == Call::Kind::Ask) {
-                put(call, receive_request(call));
-            } else {
-                stop(call.number);
+            switch (call.kind) {
+                case Call::Kind::Ask:
+                    put(call, receive_request(call));
+                    break;
+                case Call::Kind::Stop:
+                    stop(call.number);
+                    break;
+                case Call::Kind::Yield:
+                    yield(call.nice);
             }
         }
     }
@@ -79,6 +86,16 @@ private:
             if (!receive_all(channel_, *texts[i])) _exit(0);
         }
         return request;
+    }
+
+    /// Lowers the priority of all threads but the calling one, which ends this process when the server closes the
+    /// channel. New threads have the priority of the thread that starts them.
+    static void yield(int nice) {
+        std::error_code error;
+        std::filesystem::directory_iterator thread("/proc/self/task", error);
+        for (; !error && thread != end(thread); thread.increment(error))
+            if (const auto id = std::stoi(thread->path().filename()); id != gettid())
+                setpriority(PRIO_PROCESS, static_cast<id_t>(id), nice);
     }
 
     void put(const Call& call, ComputeRequest request) {

@@ -171,7 +171,7 @@ void JobRunner::submit(Job job) {
     if (failure) run->start_settling();
     if (runs_.add(run, !failure)) {
         const Job added = run->job();
-        const auto task = [this, run](const std::stop_token& stop) { this->run(run, stop); };
+        const auto task = [this, run](WorkerPool::Turn& turn) { turn.used = this->run(run, turn.stop); };
         run->enter_pool([&] { return pool_.submit_always(added.client, task, added.cost); });
     } else if (failure) {
         settle(run, {{}, failed(run->job(), *std::move(failure))});
@@ -182,14 +182,21 @@ void JobRunner::submit(Job job) {
     }
 }
 
-void JobRunner::run(const Run& run, const std::stop_token& stop) {
+/// @returns  processor time in seconds; 0: unknown
+double JobRunner::run(const Run& run, const std::stop_token& stop) {
+    double used = 0;
     try {
         auto end = begin_run(run) ? compute(run, stop) : std::nullopt;
-        if (end) settle(run, *std::move(end));
+        if (end) {
+            used = end->summary.stages.work.processor * 1e-3;
+            end->summary.job.used = used;
+            settle(run, *std::move(end));
+        }
     } catch (const std::exception& exception) {
         settle(run, {{}, failed(run->job(), problem(500, exception.what()).value())});
     }
     runs_.leave_pool();
+    return used;
 }
 
 /// Marks a run as started, in this server and in the store.

@@ -69,7 +69,7 @@ private:
     void claim_jobs(const std::stop_token& closing);
     bool claim_next();
     void submit(Job job);
-    void run(const Run& run, const std::stop_token& stop);
+    double run(const Run& run, const std::stop_token& stop);
     bool begin_run(const Run& run);
     std::optional<JobRun::End> compute(const Run& run, const std::stop_token& stop);
     JobRun::End end_of(Job job, Result<api::Answer> answer, ResultWriter& writer, const Stages& stages) const;

@@ -452,7 +452,8 @@ Result<std::optional<Time>> RedisJobStore::finish(const Job& job, std::string_vi
     const std::string limit = std::to_string(limits_.bytes);
     const bool goes_along = pieces.empty();
     const std::string digest = goes_along ? digest_of_piece(job.id, 0, result) : "";
-    RedisCommand arguments{job.id, claim, pieces, size, bytes, limit, goes_along ? result : "", digest};
+    const std::string used = text_of(job.used);
+    RedisCommand arguments{job.id, claim, pieces, size, bytes, limit, goes_along ? result : "", digest, used};
     const auto fields = fields_of_end(job);
     arguments.insert(arguments.end(), fields.begin(), fields.end());
     const auto reply = run(kFinish, arguments);

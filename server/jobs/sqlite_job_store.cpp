@@ -243,7 +243,7 @@ Result<std::optional<Time>> SqliteJobStore::finish(const Job& job, std::string_v
         ended.finished = time_now();
         ended.result_bytes = whole;
         tables_.finish(ended, *stored, result, before);
-        queue_.end_claim(job.id);
+        queue_.finish(job);
         return ended.finished;
     });
     if (finished && *finished) notifier_.notify([&](JobListener& listener) { listener.changed(job.id); });

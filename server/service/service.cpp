@@ -73,7 +73,8 @@ Result<std::unique_ptr<JobStore>> start_store(const Config& config, RedisClient*
 Result<std::unique_ptr<ComputeSupervisor>> start_computing(const Config& config, DecoderSupervisor& decoder,
                                                            const Log& log) {
     return ComputeSupervisor::start(
-        [](UniqueFd socket) { return spawn_sibling("ccdt-worker", std::move(socket)); }, {.limits = config.limits},
+        [](UniqueFd socket) { return spawn_sibling("ccdt-worker", std::move(socket)); },
+        {.limits = config.limits, .to_yield = WorkerPool::kOverrun, .nice_of_long = WorkerPool::kNiceOfLong},
         [&decoder](const Order& order, const std::stop_token& stop) { decoder.relay(order, stop); },
         [&log](const std::string& what) { log.error(what); });
 }

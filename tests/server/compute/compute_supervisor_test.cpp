@@ -71,6 +71,14 @@ Result<api::Answer> obey(const ComputeRequest& request, const Delivery& delivery
         }
     }
     if (request.path == "endless") wait_for_stop({});
+    if (request.path == "yield") {
+        const int wanted = std::stoi(request.query);
+        const auto deadline = std::chrono::steady_clock::now() + test::kPatience;
+        while (getpriority(PRIO_PROCESS, 0) != wanted) {
+            if (std::chrono::steady_clock::now() > deadline)
+                return failure(ErrorCode::Internal, "waited for the nice value " + request.query);
+        }
+    }
     if (request.path == "wait") {
         control.progress({.iteration = 1});
         wait_for_stop(control.stop);
@@ -294,6 +302,16 @@ TEST_F(ComputeSupervisorTest, ReusesProcesses) {
         EXPECT_EQ(getpriority(PRIO_PROCESS, static_cast<id_t>(other)), kNice) << "the nice value of the calling thread";
     }).join();
     EXPECT_EQ(process_of_next(), first);
+}
+
+TEST_F(ComputeSupervisorTest, LowersThePriorityOfALongComputation) {
+    const pid_t first = process_of_next();
+    const auto answer = ask({"yield", "10", "", "", ""});
+    ASSERT_TRUE(answer) << answer.error().message;
+    EXPECT_EQ(static_cast<pid_t>(answer->pixels), first);
+    EXPECT_TRUE(wait_for_end(first)) << "its priority cannot be raised again";
+    EXPECT_NE(process_of_next(), first);
+    EXPECT_EQ(supervisor_->counts().crashes, 0U);
 }
 
 TEST_F(ComputeSupervisorTest, FailsOnlyTheComputationThatCrashes) {

@@ -486,6 +486,24 @@ TEST_P(JobStoreTest, AlternatesBetweenClients) {
     EXPECT_EQ(order, "a1 b1 a2 b2 a3 ");
 }
 
+TEST_P(JobStoreTest, ChargesTheProcessorTimeOfJobs) {
+    for (const std::string id : {"a1", "a2", "b1", "b2", "b3"}) {
+        Job job = job_named(id);
+        job.client = id.substr(0, 1);
+        add(*store_, job);
+    }
+    Job first = succeeded(claim(), "");
+    EXPECT_EQ(first.id, "a1");
+    first.used = 60;
+    ASSERT_TRUE(*store_->finish(first, ""));
+    Job late = job_named("c1");
+    late.client = "a";
+    add(*store_, late);
+    std::string order;
+    for (int i = 0; i < 5; ++i) order += claim().id + ' ';
+    EXPECT_EQ(order, "b1 b2 b3 a2 c1 ");
+}
+
 TEST_P(JobStoreTest, RefusesJobsIfTheQueueIsFull) {
     open_with({.waiting = 2});
     const auto add_for = [this](const std::string& client, const std::string& id) {
