@@ -35,7 +35,7 @@ struct Timings {
     double decode = 0;     ///< decoding and preparation
     double optimise = 0;   ///< distribution or analysis of points
     double encode = 0;     ///< writing of the answer
-    double processor = 0;  ///< processor time of all threads, without decoding; set by the caller that runs the threads
+    double processor = 0;  ///< processor time of all threads and of decoders; set by the caller that runs the threads
     /// Maximum number of simultaneous threads, set by the caller that runs them. 0: nothing was computed.
     std::uint32_t threads = 0;
 };

@@ -6,24 +6,27 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
-#include <ctime>
 #include <exception>
+#include <filesystem>
 #include <mutex>
 #include <new>
 #include <optional>
 #include <stop_token>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <thread>
 #include <utility>
 
 #include <malloc.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "core/parallel/thread_executor.h"
 #include "server/decoder/decoder_client.h"
 #include "server/decoder/decoder_protocol.h"
 #include "server/processes/messages.h"
+#include "server/processes/process.h"
 #include "server/processes/shared_number.h"
 
 namespace ccdt::server {
@@ -62,10 +65,15 @@ private:
         while (true) {
             Call call;
             if (!receive_all(channel_, {reinterpret_cast<char*>(&call), sizeof(call)})) _exit(0);
-            if (call.kind == Call::Kind::Ask) {
-                put(call, receive_request(call));
-            } else {
-                stop(call.number);
+            switch (call.kind) {
+                case Call::Kind::Ask:
+                    put(call, receive_request(call));
+                    break;
+                case Call::Kind::Stop:
+                    stop(call.number);
+                    break;
+                case Call::Kind::Yield:
+                    yield(call.nice);
             }
         }
     }
@@ -78,6 +86,16 @@ private:
             if (!receive_all(channel_, *texts[i])) _exit(0);
         }
         return request;
+    }
+
+    /// Lowers the priority of all threads but the calling one, which ends this process when the server closes the
+    /// channel. New threads have the priority of the thread that starts them.
+    static void yield(int nice) {
+        std::error_code error;
+        std::filesystem::directory_iterator thread("/proc/self/task", error);
+        for (; !error && thread != end(thread); thread.increment(error))
+            if (const auto id = std::stoi(thread->path().filename()); id != gettid())
+                setpriority(PRIO_PROCESS, static_cast<id_t>(id), nice);
     }
 
     void put(const Call& call, ComputeRequest request) {
@@ -131,13 +149,6 @@ private:
     std::size_t max_used_ = 1;
     ThreadExecutor threads_;
 };
-
-/// Returns the processor time of this process, over all threads, in milliseconds.
-double processor_time() {
-    timespec time{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-    return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
-}
 
 /// Sends a reply with its texts.
 /// @returns  false if the channel is closed; Inbox then ends the process
@@ -211,7 +222,7 @@ Result<api::Answer> answer(const Task& task, const Computer& compute, const api:
 void reply_to(const Task& task, const Computer& compute, DecoderClient& decoder, const SharedNumberReader& lent,
               int channel) {
     const auto deaths = decoder.deaths();
-    const double before = processor_time();
+    const auto before = processor_time() + decoder.processor_time();
     LentThreads threads(lent);
     Reply reply;
     const Control control{task.stop.get_token(),
@@ -222,7 +233,8 @@ void reply_to(const Task& task, const Computer& compute, DecoderClient& decoder,
                           },
                           &threads};
     const auto result = answer(task, compute, decoder.functions(), control, reply.timings, channel);
-    reply.timings.processor = processor_time() - before;
+    const std::chrono::duration<double, std::milli> used = processor_time() + decoder.processor_time() - before;
+    reply.timings.processor = used.count();
     reply.timings.threads = static_cast<std::uint32_t>(threads.max_used());
     reply.decoder_deaths = decoder.deaths() - deaths;
     if (!result) {

@@ -39,13 +39,15 @@ struct ChildEnd {
     std::int32_t status = 0;      ///< status of waitpid
 };
 
-/// Message to a computation process. If the kind is Ask, the texts of the request follow.
+/// Message to a computation process. If the kind is Ask, the texts of the request follow. Yield lowers the priority of
+/// the process for good.
 struct Call {
-    enum class Kind : std::uint32_t { Ask, Stop };
+    enum class Kind : std::uint32_t { Ask, Stop, Yield };
     static constexpr std::size_t kTexts = 5;  ///< path, query, content type, Accept header, body
 
     Kind kind = Kind::Ask;
     std::uint32_t compressed = 0;  ///< 1: compress the body if that is worthwhile
+    std::int32_t nice = 0;         ///< nice value for the kind Yield
     std::uint64_t number = 0;      ///< number of the computation, so that a late Stop does not stop the next one
     api::Limits limits;
     std::array<std::uint64_t, kTexts> sizes{};

@@ -20,6 +20,7 @@
 
 #include "server/compute/compute_protocol.h"
 #include "server/decoder/decoder_protocol.h"
+#include "server/processes/child_program.h"
 #include "server/processes/messages.h"
 
 namespace ccdt::server {
@@ -34,7 +35,10 @@ constexpr std::chrono::seconds kPatience{2};
 struct NoReply {
     bool overdue = false;           ///< the computation did not stop in time
     std::optional<ChildEnd> death;  ///< report of the end of the process; none: unknown
-    bool is_killed() const { return death && WIFSIGNALED(death->status) && WTERMSIG(death->status) == SIGKILL; }
+    bool is_killed() const { return death && death->fork_error == 0 && is_killed_from_outside(death->status); }
+
+    /// Whether a repetition may succeed, because the request is not the cause.
+    bool is_temporary() const { return is_killed() || (death && death->fork_error != 0); }
 };
 
 std::string describe(const NoReply& none) {
@@ -105,7 +109,8 @@ private:
 struct ComputeSupervisor::Process {
     UniqueFd channel;
     UniqueFd events;
-    int nice = 0;
+    int nice = 0;          ///< nice value at the start
+    bool yielded = false;  ///< the nice value is higher now
 
     /// Whether an idle process still runs. Its channel becomes readable only when the process ends.
     bool is_there() const {
@@ -143,10 +148,14 @@ public:
         const auto wake = [this] { eventfd_write(stopped_.get(), 1); };
         const std::stop_callback on_stop(control_.stop, wake);
         const std::stop_callback on_leaving(delivery_.unwanted, wake);
+        const auto& options = supervisor_.options_;
+        if (process_.nice < options.nice_of_long) yield_at_ = Clock::now() + options.to_yield;
         while (true) {
+            if (yield_at_ && *yield_at_ <= Clock::now()) yield();
             std::array<pollfd, 3> polled = {
                 {{process_.channel.get(), POLLIN, 0}, {process_.events.get(), POLLIN, 0}, {stopped_.get(), POLLIN, 0}}};
-            if (poll(polled.data(), polled.size(), milliseconds_until(end_at_)) == 0) {
+            if (poll(polled.data(), polled.size(), milliseconds_until(yield_at_ ? yield_at_ : end_at_)) == 0) {
+                if (yield_at_) continue;
                 end();
                 return tl::unexpected(NoReply{.overdue = true, .death = {}});
             }
@@ -237,15 +246,26 @@ private:
         return answer;
     }
 
-    /// Tells the process to stop, and sets the time at which a process that has not stopped is ended.
+    /// Tells the process to stop, and sets the time at which a process that has not stopped is ended. The process keeps
+    /// its priority, with which it ends soon even on a busy machine.
     void pass_on_stop(const Call& call) {
         eventfd_t discarded = 0;
         eventfd_read(stopped_.get(), &discarded);
+        yield_at_.reset();
         const Call stop{.kind = Call::Kind::Stop, .number = call.number, .limits = {}, .sizes = {}};
         if (!end_at_) static_cast<void>(send_texts(process_.channel.get(), {text_of(stop)}));
-        const auto& [limits, to_stop, to_leave] = supervisor_.options_;
-        const Clock::duration longest = delivery_.unwanted.stop_requested() ? to_leave : Clock::duration(to_stop);
+        const auto& options = supervisor_.options_;
+        const Clock::duration longest =
+            delivery_.unwanted.stop_requested() ? options.to_leave : Clock::duration(options.to_stop);
         end_at_ = std::min(end_at_.value_or(Clock::time_point::max()), Clock::now() + longest);
+    }
+
+    /// Lowers the priority of the process.
+    void yield() {
+        yield_at_.reset();
+        const Call lower{
+            .kind = Call::Kind::Yield, .nice = supervisor_.options_.nice_of_long, .limits = {}, .sizes = {}};
+        process_.yielded = send_texts(process_.channel.get(), {text_of(lower)});
     }
 
     /// Receives an event: an order, which is passed to the decoder, or the report that the process has ended.
@@ -286,6 +306,7 @@ private:
     std::optional<api::Answer> head_;  ///< head of an answer sent in pieces; also its body if there is no sink
     bool abandoned_ = false;
     std::optional<Clock::time_point> end_at_;
+    std::optional<Clock::time_point> yield_at_;  ///< none: the priority stays as it is
     std::optional<ChildEnd> death_;
 };
 
@@ -336,7 +357,8 @@ Result<api::Answer> ComputeSupervisor::compute(const ComputeRequest& request, co
         if (was_left || control.stop.stop_requested()) return failure(ErrorCode::Stopped, describe(outcome.error()));
         const bool is_streaming = conversation.has_begun() && delivery.sink != nullptr;
         if (again || is_streaming || !outcome.error().is_killed())
-            return failure(ErrorCode::Internal, describe(outcome.error()));
+            return failure(outcome.error().is_temporary() ? ErrorCode::Unavailable : ErrorCode::Internal,
+                           describe(outcome.error()));
     }
 }
 
@@ -360,11 +382,12 @@ Result<ComputeSupervisor::Process> ComputeSupervisor::make_process(int nice, con
     for (SupervisedProgram::Socket lost;;) {
         const auto fork_server = fork_server_->wait_for_socket(lost, until, stop);
         if (fork_server == nullptr)
-            return failure(ErrorCode::Internal, "cannot start a process to compute it: the fork server is not running");
+            return failure(ErrorCode::Unavailable,
+                           "cannot start a process to compute it: the fork server is not running");
         auto channel = make_sockets(SOCK_STREAM);
         auto events = make_sockets(SOCK_SEQPACKET);
         if (!channel || !events)
-            return failure(ErrorCode::Internal,
+            return failure(ErrorCode::Unavailable,
                            std::string("cannot create sockets for a process: ") + std::strerror(errno));
         const timeval longest{options_.to_stop.count(), 0};
         setsockopt(channel->ours.get(), SOL_SOCKET, SO_SNDTIMEO, &longest, sizeof(longest));
@@ -376,7 +399,9 @@ Result<ComputeSupervisor::Process> ComputeSupervisor::make_process(int nice, con
     }
 }
 
+/// Keeps a process for the next computation, unless its priority was lowered, which cannot be undone.
 void ComputeSupervisor::give_back(Process process) {
+    if (process.yielded) return;
     const std::lock_guard lock(mutex_);
     idle_[process.nice].push_back(std::move(process));
 }

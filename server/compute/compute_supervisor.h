@@ -43,6 +43,10 @@ public:
         /// The same limit if nobody waits for the answer. It is short, because ending a process costs little: a new one
         /// starts in about a millisecond, and the system frees 3 GB in 0.25 s.
         std::chrono::milliseconds to_leave{50};
+
+        /// Time after which the nice value of a process rises to `nice_of_long`, if it is lower.
+        std::chrono::milliseconds to_yield{50};
+        int nice_of_long = 10;
     };
 
     /// Starts the fork server. Error: Internal.
@@ -57,8 +61,9 @@ public:
     /// Waits until the fork server is ready for the first time. Errors: as SupervisedProgram::wait_until_ready.
     Result<void> wait_until_ready(const std::stop_token& stop = {}) { return fork_server_->wait_until_ready(stop); }
 
-    /// Computes an answer, as specified for Compute. The process gets the nice value of the calling thread. A process
-    /// that does not stop in time is ended. If a client still waits for the answer, the process is counted as overdue.
+    /// Computes an answer, as specified for Compute. The process has the nice value of the calling thread, until the
+    /// computation has taken `to_yield`. A process that does not stop in time is ended. If a client still waits for the
+    /// answer, the process is counted as overdue.
     Result<api::Answer> compute(const ComputeRequest& request, const Delivery& delivery, const Control& control,
                                 api::Timings& timings);
 

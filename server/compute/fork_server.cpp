@@ -59,7 +59,7 @@ void carry_out(ForkedChildren& children, const ComputeProcess& compute) {
 
 void run_fork_server(UniqueFd orders, const ComputeProcess& compute) {
     leave_signals_to_server();
-    ForkedChildren children(std::move(orders), [](const UniqueFd& events, int status) {
+    ForkedChildren children(std::move(orders), [](const UniqueFd& events, int status, std::chrono::microseconds) {
         report_end(events, {0, status});
     });
     const std::byte ready{};

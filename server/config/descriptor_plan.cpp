@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <string>
 
+#include "server/work/thread_share.h"
+
 namespace ccdt::server {
 namespace {
 
@@ -23,8 +25,8 @@ constexpr std::size_t kMinRefused = 4;
 
 std::size_t own_descriptors(const Config& config) {
     const std::size_t redis = config.redis.has_value() + config.cache_redis.has_value() + config.rate_redis.has_value();
-    return kServerDescriptors + kDescriptorsPerComputation * (config.workers + 1) +
-           kDescriptorsPerRedis * redis;  // workers + 1: an additional computation for short requests
+    return kServerDescriptors + kDescriptorsPerComputation * max_computations(config.workers) +
+           kDescriptorsPerRedis * redis;
 }
 
 std::size_t connections_of(const Capacity::Limits& limits) {

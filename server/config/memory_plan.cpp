@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "server/work/thread_share.h"
+
 namespace ccdt::server {
 namespace {
 
@@ -24,7 +26,7 @@ std::string mebibytes(std::size_t bytes) {
 
 Result<ComputeMemory> memory_to_compute_with(const Config& config, std::size_t resident) {
     const std::size_t kept = config.data_dir.empty() && !config.redis ? config.jobs.bytes : 0;
-    const std::size_t processes = (config.workers + 2) * kProcess;  // 2 more: for short requests; fork server
+    const std::size_t processes = (max_computations(config.workers) + 1) * kProcess;  // 1 more: the fork server
     const std::size_t taken = resident + kOthers + processes + config.capacity.bytes + config.cache + kept;
     if (config.memory < taken + kMinForComputations)
         return failure(ErrorCode::Malformed, "a memory of " + mebibytes(config.memory) +

@@ -31,7 +31,7 @@ constexpr int kMaxPerProcessorTime = 3;
 
 /// The reason why there is no reply.
 struct NoReply {
-    enum class Reason { Died, TooSlow, Late, Stopped, NotStarted, OrderLost, NoHelper };
+    enum class Reason { Died, Killed, TooSlow, Late, Stopped, NotStarted, OrderLost, NoHelper };
     Reason reason = Reason::OrderLost;
     int error = 0;  ///< errno if the reason is NotStarted
 };
@@ -74,16 +74,24 @@ tl::expected<Outcome, NoReply> next_report(const UniqueFd& outcome, Clock::time_
 /// Waits until an order is done or has failed.
 /// @param to_begin  time within which a child must begin
 /// @param to_end    time within which the child must end after it has begun
+/// @param used_us   is increased by the processor time of the child, in microseconds
 /// @returns         none if the child has written its reply
 std::optional<NoReply> wait_for(const UniqueFd& outcome, Clock::duration to_begin, Clock::duration to_end,
-                                const std::stop_token& stop) {
+                                const std::stop_token& stop, std::atomic<std::int64_t>& used_us) {
     const std::stop_callback wake(stop, CloseBothWays{outcome.get()});
     auto report = next_report(outcome, Clock::now() + to_begin, stop);
-    if (report && report->begun != 0) report = next_report(outcome, Clock::now() + to_end, stop);
+    if (report && report->begun != 0) {
+        const auto begun = Clock::now();
+        report = next_report(outcome, begun + to_end, stop);
+        // The child has one thread, and may be under the control of an attacker.
+        const auto elapsed = std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - begun).count();
+        used_us += report ? std::clamp<std::int64_t>(report->used_us, 0, elapsed) : elapsed;
+    }
     if (!report) return report.error();
     if (report->fork_error != 0) return NoReply{NoReply::Reason::NotStarted, report->fork_error};
     if (report->no_helper != 0) return NoReply{NoReply::Reason::NoHelper};
     if (report->too_slow != 0) return NoReply{NoReply::Reason::TooSlow};
+    if (report->killed != 0) return NoReply{NoReply::Reason::Killed};
     if (report->ended != 0) return NoReply{NoReply::Reason::Died};
     return std::nullopt;
 }
@@ -96,7 +104,8 @@ using ResultOf = typename decltype(std::declval<const Reply&>().read())::value_t
 /// @param text  the fixed-size part of the order
 template <class Reply>
 tl::expected<ResultOf<Reply>, NoReply> ask_helper(const DecoderClient::PassOrder& pass_order, std::string_view bytes,
-                                                  const Order::Text& text, const std::stop_token& stop) {
+                                                  const Order::Text& text, const std::stop_token& stop,
+                                                  std::atomic<std::int64_t>& used_us) {
     const auto max_size = static_cast<std::size_t>(text.max_size);
     auto outcome = make_sockets(SOCK_SEQPACKET);
     Order order{text, make_file(bytes), Reply::make_file(max_size), {}};
@@ -108,7 +117,7 @@ tl::expected<ResultOf<Reply>, NoReply> ask_helper(const DecoderClient::PassOrder
     // When this function returns, our end of the socket is closed, which ends the child.
     const std::chrono::milliseconds to_begin(text.patience_ms);
     const auto to_end = to_begin + kMaxPerProcessorTime * text.limits.time;
-    if (const auto none = wait_for(outcome->ours, to_begin, to_end, stop)) return tl::unexpected(*none);
+    if (const auto none = wait_for(outcome->ours, to_begin, to_end, stop, used_us)) return tl::unexpected(*none);
     const Reply reply(order.reply, max_size);
     if (!reply) return tl::unexpected(not_started());
     auto result = reply.read();
@@ -122,6 +131,8 @@ tl::unexpected<Error> describe(const NoReply& none, const std::string& what) {
     switch (none.reason) {
         case NoReply::Reason::Died:
             return failure(ErrorCode::Unusable, what + " could not be decoded: it made the decoder fail");
+        case NoReply::Reason::Killed:
+            return failure(ErrorCode::Unavailable, "the process that decoded " + what + " was killed twice");
         case NoReply::Reason::TooSlow:
             return failure(ErrorCode::Unusable, what + " could not be decoded: it took too long");
         case NoReply::Reason::Late:
@@ -149,27 +160,29 @@ std::string subject_of(Order::Product product) {
     return product == Order::Product::Surface ? "the mesh" : "the image";
 }
 
-/// Sends orders to decode a file until there is a reply. Repeats an order only if it was lost because its helper ended.
+/// Sends orders to decode a file until there is a reply. Repeats an order only if it was lost because its helper ended,
+/// and once if its child was killed from outside.
 /// @param longest_wait  see DecoderClient::kLongestWait
-/// @param deaths        counts children that crashed, exceeded a limit or wrote an invalid reply
 template <class Reply>
 ResultOf<Reply> decode_by(const DecoderClient::PassOrder& pass_order, std::string_view bytes, Order::Text text,
                           const std::stop_token& stop, std::chrono::milliseconds longest_wait,
-                          std::atomic<std::uint64_t>& deaths) {
+                          DecoderClient::Counts& counts) {
     using Reason = NoReply::Reason;
     text.bytes = bytes.size();
     std::optional<Clock::time_point> retry_until;
+    bool was_killed = false;
     while (true) {
         const Clock::duration patience = retry_until ? *retry_until - Clock::now() : longest_wait;
         text.patience_ms = std::chrono::ceil<std::chrono::milliseconds>(patience).count();
-        auto reply = ask_helper<Reply>(pass_order, bytes, text, stop);
+        auto reply = ask_helper<Reply>(pass_order, bytes, text, stop, counts.used_us);
         if (reply) return *std::move(reply);
         const auto reason = reply.error().reason;
-        if (reason == Reason::Died || reason == Reason::TooSlow) ++deaths;
+        if (reason == Reason::Died || reason == Reason::Killed || reason == Reason::TooSlow) ++counts.deaths;
         if (!retry_until) retry_until = Clock::now() + longest_wait;
-        // The file does not cause the end of the helper, so the order is repeated.
-        if (reason != Reason::OrderLost || Clock::now() > *retry_until)
-            return describe(reply.error(), subject_of(text.product));
+        // The file does not cause the end of the helper or the kill, so the order is repeated.
+        const bool was_lost = reason == Reason::OrderLost && Clock::now() <= *retry_until;
+        const bool is_first_kill = reason == Reason::Killed && !std::exchange(was_killed, true);
+        if (!was_lost && !is_first_kill) return describe(reply.error(), subject_of(text.product));
     }
 }
 
@@ -206,7 +219,7 @@ Result<AnyPicture> DecoderClient::decode_to(std::string_view bytes, const api::R
     text.is_stack = reading.is_stack ? 1 : 0;
     text.limits = limits_(bytes, reading.max_pixels);
     if (reading.is_stack) text.limits.time += time_for(reading.max_pixels);
-    return decode_by<ReplyMemory<AnyPicture>>(pass_order_, bytes, text, stop, longest_wait_, deaths_);
+    return decode_by<ReplyMemory<AnyPicture>>(pass_order_, bytes, text, stop, longest_wait_, counts_);
 }
 
 Result<Picture> DecoderClient::decode(std::string_view bytes, const api::Reading& reading,
@@ -229,7 +242,7 @@ Result<std::string> DecoderClient::read_shapefile(std::string_view archive, cons
     text.product = Order::Product::Map;
     reading.object.copy(text.object.data(), reading.object.size());
     text.limits = shapefile_limits(reading.max_bytes);
-    return decode_by<ReplyText>(pass_order_, archive, text, stop, longest_wait_, deaths_);
+    return decode_by<ReplyText>(pass_order_, archive, text, stop, longest_wait_, counts_);
 }
 
 Result<api::SurfaceContents> DecoderClient::read_surface(std::string_view bytes, const api::SurfaceHeader& header,
@@ -239,7 +252,7 @@ Result<api::SurfaceContents> DecoderClient::read_surface(std::string_view bytes,
     text.product = Order::Product::Surface;
     text.surface = header;
     text.limits = surface_limits(bytes, header);
-    return decode_by<ReplySurface>(pass_order_, bytes, text, stop, longest_wait_, deaths_);
+    return decode_by<ReplySurface>(pass_order_, bytes, text, stop, longest_wait_, counts_);
 }
 
 api::Decode DecoderClient::functions() {

@@ -55,9 +55,12 @@ public:
     /// Decodes a picture. The result is the same as if the calling process decoded it. A stop request takes effect at
     /// once.
     ///
+    /// If the child is killed from outside, for example because the machine ran out of memory, the file is decoded once
+    /// again.
     /// Errors: those of the picture readers; Unusable if the child crashed, exceeded its memory or processor time, or
     /// wrote an invalid reply; Stopped; Unavailable if the machine is too busy, so that no helper is available or a
-    /// child does not begin or end in time; Internal if the machine lacks processes or descriptors.
+    /// child does not begin or end in time, or if two children were killed from outside; Internal if the machine lacks
+    /// processes or descriptors.
     Result<Picture> decode(std::string_view bytes, const api::Reading& reading, const std::stop_token& stop);
     Result<ColourPicture> decode_colour(std::string_view bytes, const api::Reading& reading,
                                         const std::stop_token& stop);
@@ -75,8 +78,16 @@ public:
     /// functions.
     api::Decode functions();
 
-    /// Number of children so far that crashed, exceeded a limit or wrote an invalid reply.
-    std::uint64_t deaths() const { return deaths_; }
+    /// Number of children so far that crashed, were killed, exceeded a limit or wrote an invalid reply.
+    std::uint64_t deaths() const { return counts_.deaths; }
+
+    /// Processor time of all children so far. If a child does not report its time, its elapsed time is counted.
+    std::chrono::microseconds processor_time() const { return std::chrono::microseconds(counts_.used_us); }
+
+    struct Counts {
+        std::atomic<std::uint64_t> deaths = 0;
+        std::atomic<std::int64_t> used_us = 0;
+    };
 
 private:
     template <class AnyPicture>
@@ -85,7 +96,7 @@ private:
     const PassOrder pass_order_;
     const LimitsOf limits_;
     const std::chrono::milliseconds longest_wait_;
-    std::atomic<std::uint64_t> deaths_ = 0;
+    Counts counts_;
 };
 
 }  // namespace ccdt::server

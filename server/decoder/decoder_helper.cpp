@@ -2,6 +2,7 @@
 #include "server/decoder/decoder_helper.h"
 
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstddef>
 #include <ctime>
@@ -21,8 +22,10 @@
 
 #include "server/decoder/decoder_confinement.h"
 #include "server/decoder/decoder_protocol.h"
+#include "server/processes/child_program.h"
 #include "server/processes/forked_children.h"
 #include "server/processes/messages.h"
+#include "server/processes/process.h"
 #include "server/processes/signals.h"
 
 namespace ccdt::server {
@@ -61,9 +64,12 @@ void report(const UniqueFd& outcome, const Outcome& reported) {
     send(outcome.get(), &reported, sizeof(reported), MSG_NOSIGNAL | MSG_DONTWAIT);
 }
 
-void report_end(const UniqueFd& outcome, int status) {
+void report_end(const UniqueFd& outcome, int status, std::chrono::microseconds used) {
     const bool too_slow = WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU;
-    report(outcome, {.ended = 1, .too_slow = too_slow ? 1 : 0});
+    report(outcome, {.ended = 1,
+                     .too_slow = too_slow ? 1 : 0,
+                     .killed = is_killed_from_outside(status) ? 1 : 0,
+                     .used_us = used.count()});
 }
 
 class Helper {
@@ -183,8 +189,9 @@ private:
         const std::size_t mapped = size + Reply::size(static_cast<std::size_t>(order.text.max_size));
         if (!sandbox_.enter(order.text.limits, mapped)) fail(UniqueFd(STDOUT_FILENO));
         const std::string_view bytes(size > 0 ? static_cast<const char*>(file) : "", size);
-        const Outcome done;
-        if (!decode_bytes(bytes, order.text) || write(STDOUT_FILENO, &done, sizeof(done)) < 0) _exit(kFailed);
+        if (!decode_bytes(bytes, order.text)) _exit(kFailed);
+        const Outcome done{.used_us = processor_time().count()};
+        if (write(STDOUT_FILENO, &done, sizeof(done)) < 0) _exit(kFailed);
         _exit(0);
     }
 
@@ -195,7 +202,8 @@ private:
 };
 
 /// Waits for all children, and ends with the exit status of the helper. Apart from the starter, the helper is the first
-/// child to end. Its own children become children of this process only afterwards, and only without a PID namespace.
+/// child to end. Its own children become children of this process only afterwards, and only without a PID namespace. If
+/// a signal kills the starter, there may be no helper, and this process ends like the starter.
 /// @param starter  child that forked the helper
 [[noreturn]] void end_like_helper(pid_t starter) {
     prctl(PR_SET_NAME, "decoder-keeper");
@@ -204,7 +212,7 @@ private:
         int status = 0;
         const pid_t child = wait(&status);
         if (child < 0 && errno != EINTR) break;
-        if (child > 0 && child != starter && !end) end = status;
+        if (child > 0 && (child != starter || WIFSIGNALED(status)) && !end) end = status;
     }
     if (end && WIFSIGNALED(*end)) {
         std::signal(WTERMSIG(*end), SIG_DFL);

@@ -66,6 +66,8 @@ struct Outcome {
     std::int32_t no_helper = 0;   ///< 1: there was no helper by the time limit of the order
     std::int32_t begun = 0;       ///< 1: the child has the order; another report follows
     std::int32_t too_slow = 0;    ///< 1: the child ended because it used up its processor time
+    std::int32_t killed = 0;      ///< 1: the child was killed from outside
+    std::int64_t used_us = 0;     ///< processor time of the child, in microseconds, except in its first report
 };
 
 /// Sends an order with its files.

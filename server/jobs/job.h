@@ -51,6 +51,7 @@ struct Job {
     JobStatus status = JobStatus::Queued;
     int starts = 0;           ///< number of runs, including runs that a server crash interrupted
     std::uint64_t claim = 0;  ///< number of the latest claim, see JobStore
+    double used = 0;          ///< processor time of the last run, in seconds; 0: unknown. Not stored
     Time created;
     std::optional<Time> started;
     std::optional<Time> finished;

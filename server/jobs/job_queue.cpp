@@ -50,6 +50,14 @@ bool JobQueue::requeue(const Job& job) {
     return true;
 }
 
+void JobQueue::finish(const Job& job) {
+    const auto claim = claims_.find(job.id);
+    if (claim == claims_.end()) return;
+    const Entry& entry = claim->second.entry;
+    if (job.used > 0) queue_.charge(entry.client, entry.generation, entry.cost, job.used);
+    claims_.erase(claim);
+}
+
 void JobQueue::withdraw(const std::string& id) {
     claims_.erase(id);
     queue_.withdraw([&](const Waiting& job) { return job.id == id; });

@@ -60,8 +60,8 @@ public:
     /// @returns  false if the claim is no longer valid
     bool requeue(const Job& job);
 
-    /// Ends the claim of a job.
-    void end_claim(const std::string& id) { claims_.erase(id); }
+    /// Ends the claim of a job that has finished, and charges its client the processor time used.
+    void finish(const Job& job);
 
     /// Removes a job from the queue and ends its claim.
     void withdraw(const std::string& id);

@@ -16,8 +16,7 @@ namespace {
 using Clock = JobRuns::Clock;
 using Milliseconds = std::chrono::duration<double, std::milli>;
 
-/// Maximum number of runs of a job that a server crash may interrupt; after these, the job fails. Computations run in
-/// other processes and cannot crash the server, so this limit only guards against unforeseen faults.
+/// Maximum number of runs of a job that a server crash or a temporary fault may interrupt; after these, the job fails.
 constexpr int kMaxStarts = 3;
 
 /// Bounds of the interval at which expired jobs are deleted. Clients cannot find expired jobs even before their
@@ -172,7 +171,7 @@ void JobRunner::submit(Job job) {
     if (failure) run->start_settling();
     if (runs_.add(run, !failure)) {
         const Job added = run->job();
-        const auto task = [this, run](const std::stop_token& stop) { this->run(run, stop); };
+        const auto task = [this, run](WorkerPool::Turn& turn) { turn.used = this->run(run, turn.stop); };
         run->enter_pool([&] { return pool_.submit_always(added.client, task, added.cost); });
     } else if (failure) {
         settle(run, {{}, failed(run->job(), *std::move(failure))});
@@ -183,14 +182,21 @@ void JobRunner::submit(Job job) {
     }
 }
 
-void JobRunner::run(const Run& run, const std::stop_token& stop) {
+/// @returns  processor time in seconds; 0: unknown
+double JobRunner::run(const Run& run, const std::stop_token& stop) {
+    double used = 0;
     try {
         auto end = begin_run(run) ? compute(run, stop) : std::nullopt;
-        if (end) settle(run, *std::move(end));
+        if (end) {
+            used = end->summary.stages.work.processor * 1e-3;
+            end->summary.job.used = used;
+            settle(run, *std::move(end));
+        }
     } catch (const std::exception& exception) {
         settle(run, {{}, failed(run->job(), problem(500, exception.what()).value())});
     }
     runs_.leave_pool();
+    return used;
 }
 
 /// Marks a run as started, in this server and in the store.
@@ -232,8 +238,10 @@ std::optional<JobRun::End> JobRunner::compute(const Run& run, const std::stop_to
         answer = failure(ErrorCode::Internal, exception.what());
     }
     const bool whole = answer ? !answer->partial : answer.error().code != ErrorCode::Stopped;
-    const auto next = run->finish(whole);
-    if (next == JobRun::Next::Requeue) requeue(run);
+    const bool is_temporary = !answer && answer.error().code == ErrorCode::Unavailable;
+    const bool repeat = is_temporary && job.starts < kMaxStarts;
+    const auto next = run->finish(whole, repeat);
+    if (next == JobRun::Next::Requeue) requeue(run, repeat);
     if (next != JobRun::Next::Proceed) return std::nullopt;
     return end_of(run->job(), std::move(answer), writer, stages);
 }
@@ -288,9 +296,10 @@ void JobRunner::drop(const std::string& id) {
     if (const auto run = runs_.find(id)) give_up(run, JobStore::Owned::Cancelled);
 }
 
-/// Returns a job to the store, for the next process or another server.
-void JobRunner::requeue(const Run& run) {
-    (void)store_.requeue(run->job());  // if this fails, the job runs again when its lease expires
+/// Returns a job to the store, for another run, process or server.
+/// @param counted  see JobStore::requeue()
+void JobRunner::requeue(const Run& run, bool counted) {
+    (void)store_.requeue(run->job(), counted);  // if this fails, the job runs again when its lease expires
     runs_.erase(run);
 }
 

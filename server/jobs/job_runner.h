@@ -69,14 +69,14 @@ private:
     void claim_jobs(const std::stop_token& closing);
     bool claim_next();
     void submit(Job job);
-    void run(const Run& run, const std::stop_token& stop);
+    double run(const Run& run, const std::stop_token& stop);
     bool begin_run(const Run& run);
     std::optional<JobRun::End> compute(const Run& run, const std::stop_token& stop);
     JobRun::End end_of(Job job, Result<api::Answer> answer, ResultWriter& writer, const Stages& stages) const;
     void note(const Run& run, const Progress& progress);
     bool cancel_in_pool(const Run& run);
     void give_up(const Run& run, JobStore::Owned owned);
-    void requeue(const Run& run);
+    void requeue(const Run& run, bool counted = false);
     void settle(const Run& run, JobRun::End end);
     Result<std::optional<Time>> store_end(JobRun::End& end);
     void keep_time(const std::stop_token& closing);

@@ -52,11 +52,11 @@ bool JobRun::note(const Progress& progress) {
     return std::exchange(progress_stored_, false);
 }
 
-JobRun::Next JobRun::finish(bool whole) {
+JobRun::Next JobRun::finish(bool whole, bool repeat) {
     const std::lock_guard lock(mutex_);
     deadline_.reset();
     if (settling_ || stop_ == Stop::Gone) return Next::Nothing;
-    if (stop_ == Stop::Shutdown && !whole) return Next::Requeue;
+    if (repeat || (stop_ == Stop::Shutdown && !whole)) return Next::Requeue;
     settling_ = true;
     return Next::Proceed;
 }

@@ -72,8 +72,9 @@ public:
     bool note(const Progress& progress);
 
     /// Records that the computation has ended.
-    /// @param whole  false if the computation was stopped early
-    Next finish(bool whole);
+    /// @param whole   false if the computation was stopped early
+    /// @param repeat  true if it failed, and the job should run again
+    Next finish(bool whole, bool repeat);
 
     /// Records that the run has to stop.
     /// @returns  false if the end of the job is being stored, or the run was given up

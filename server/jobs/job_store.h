@@ -30,7 +30,8 @@ public:
 /// A server claims a job before it runs the job. The claim holds for a limited time, the lease, which `renew` extends.
 /// After the lease has expired, another server may claim the job. Each claim has a number greater than all earlier ones
 /// (`Job::claim`). A call with the number of an earlier claim reports that the job is lost, and changes nothing. So
-/// each job ends only once, even if servers crash. The queue is fair between clients, like FairQueue.
+/// each job ends only once, even if servers crash. The queue is fair between clients, like FairQueue: finish() replaces
+/// the estimated seconds of a job by `Job::used`.
 ///
 /// All times are read from the store's clock, which all servers share. Changes are durable when a call returns, except
 /// for the progress of a running job. The duration of a call does not depend on the number of finished jobs.
@@ -91,8 +92,9 @@ public:
     /// sets the stored `Job::started`.
     virtual Result<Renewal> renew(const Job& job) = 0;
 
-    /// Returns a claimed job to the front of the queue, and decrements `Job::starts`.
-    virtual Result<void> requeue(const Job& job) = 0;
+    /// Returns a claimed job to the front of the queue.
+    /// @param counted  false: decrements `Job::starts`, because this run does not count as a start
+    virtual Result<void> requeue(const Job& job, bool counted) = 0;
 
     /// Appends a piece to the result of a claimed job. Frees space as add() does. Error: LimitExceeded if there is not
     /// enough space. May be repeated after an error. The pieces are deleted unless finish() is called with a result.

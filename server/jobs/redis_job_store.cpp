@@ -413,9 +413,9 @@ Result<JobStore::Renewal> RedisJobStore::renew(const Job& job) {
                    Time(std::chrono::milliseconds(now.value_or(0)))};
 }
 
-Result<void> RedisJobStore::requeue(const Job& job) {
+Result<void> RedisJobStore::requeue(const Job& job, bool counted) {
     const std::string claim = std::to_string(job.claim);
-    return run(kRequeue, {job.id, claim}).map([](const RedisReply&) {});
+    return run(kRequeue, {job.id, claim, counted ? "1" : "0"}).map([](const RedisReply&) {});
 }
 
 Result<bool> RedisJobStore::append_piece(const Job& job, const StoredPart& before, std::string_view piece) {
@@ -452,7 +452,8 @@ Result<std::optional<Time>> RedisJobStore::finish(const Job& job, std::string_vi
     const std::string limit = std::to_string(limits_.bytes);
     const bool goes_along = pieces.empty();
     const std::string digest = goes_along ? digest_of_piece(job.id, 0, result) : "";
-    RedisCommand arguments{job.id, claim, pieces, size, bytes, limit, goes_along ? result : "", digest};
+    const std::string used = text_of(job.used);
+    RedisCommand arguments{job.id, claim, pieces, size, bytes, limit, goes_along ? result : "", digest, used};
     const auto fields = fields_of_end(job);
     arguments.insert(arguments.end(), fields.begin(), fields.end());
     const auto reply = run(kFinish, arguments);

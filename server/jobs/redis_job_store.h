@@ -55,7 +55,7 @@ public:
     Result<std::optional<Job>> claim(std::size_t memory) override;
     Result<std::optional<ComputeRequest>> request(const std::string& id) override;
     Result<Renewal> renew(const Job& job) override;
-    Result<void> requeue(const Job& job) override;
+    Result<void> requeue(const Job& job, bool counted) override;
     Result<bool> append_piece(const Job& job, const StoredPart& before, std::string_view piece) override;
     using JobStore::finish;
     Result<std::optional<Time>> finish(const Job& job, std::string_view result, const StoredPart& before) override;

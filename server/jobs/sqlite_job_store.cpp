@@ -171,9 +171,9 @@ Result<JobStore::Renewal> SqliteJobStore::renew(const Job& job) {
     return renewal;
 }
 
-Result<void> SqliteJobStore::requeue(const Job& job) {
+Result<void> SqliteJobStore::requeue(const Job& job, bool counted) {
     auto requeued = attempt([&] {
-        if (!queue_.requeue(job)) return;
+        if (!queue_.requeue(job) || counted) return;
         auto stored = tables_.find(job.id);
         if (!stored) return;
         --stored->job.starts;
@@ -243,7 +243,7 @@ Result<std::optional<Time>> SqliteJobStore::finish(const Job& job, std::string_v
         ended.finished = time_now();
         ended.result_bytes = whole;
         tables_.finish(ended, *stored, result, before);
-        queue_.end_claim(job.id);
+        queue_.finish(job);
         return ended.finished;
     });
     if (finished && *finished) notifier_.notify([&](JobListener& listener) { listener.changed(job.id); });

@@ -82,10 +82,15 @@ UniqueFd open_pidfd(pid_t process) {
 
 }  // namespace
 
-std::string describe_end(int status) {
-    if (WIFEXITED(status)) return "exited with " + std::to_string(WEXITSTATUS(status));
-    const int number = WTERMSIG(status);
+std::string describe_end(std::optional<int> status) {
+    if (!status) return "ended";
+    if (WIFEXITED(*status)) return "exited with " + std::to_string(WEXITSTATUS(*status));
+    const int number = WTERMSIG(*status);
     return "was killed by signal " + std::to_string(number) + " (" + sigdescr_np(number) + ")";
+}
+
+bool is_killed_from_outside(std::optional<int> status) {
+    return status && WIFSIGNALED(*status) && WTERMSIG(*status) == SIGKILL;
 }
 
 ChildProgram::ChildProgram(pid_t process) : process_(process), pidfd_(open_pidfd(process)) {}
@@ -109,14 +114,13 @@ void ChildProgram::kill() const {
     if (process_ > 0) ::kill(process_, SIGKILL);
 }
 
-std::string ChildProgram::wait() {
+std::optional<int> ChildProgram::wait() {
     int status = 0;
     pid_t reaped = -1;
     do reaped = waitpid(process_, &status, 0);
     while (reaped < 0 && errno == EINTR);
     process_ = 0;
-    // There is no status if SIGCHLD is ignored, because the kernel then reaps children.
-    return reaped > 0 ? describe_end(status) : "ended";
+    return reaped > 0 ? std::optional(status) : std::nullopt;
 }
 
 Result<std::string> find_program(const std::string& name) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,8 +34,8 @@ public:
     void kill() const;
 
     /// Waits for the end of the child, and reaps it. Must be called at most once.
-    /// @returns  result of describe_end()
-    std::string wait();
+    /// @returns  status of waitpid(); none if the kernel has reaped the child, because SIGCHLD is ignored
+    std::optional<int> wait();
 
 private:
     pid_t process_ = 0;  ///< 0: moved from or reaped
@@ -42,8 +43,13 @@ private:
 };
 
 /// Describes the end of a process, such as "exited with 1" or "was killed by signal 9 (Killed)".
-/// @param status  as set by waitpid()
-std::string describe_end(int status);
+/// @param status  as set by waitpid(); none: unknown
+std::string describe_end(std::optional<int> status);
+
+/// Whether a process was killed from outside: by the system for lack of memory, or by an operator. Faults of a process
+/// itself end it by other signals.
+/// @param status  as set by waitpid(); none: unknown
+bool is_killed_from_outside(std::optional<int> status);
 
 /// Finds a program that belongs to the calling program: beside it, as in a build tree or an image, or in ../lib/ccdt,
 /// as in an installed tree.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <poll.h>
+#include <sys/resource.h>
 #include <sys/signalfd.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -22,6 +23,10 @@ UniqueFd watch_children() {
     sigaddset(&signals, SIGCHLD);
     sigprocmask(SIG_BLOCK, &signals, nullptr);
     return UniqueFd(signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK));
+}
+
+std::chrono::microseconds time_of(const timeval& time) {
+    return std::chrono::seconds(time.tv_sec) + std::chrono::microseconds(time.tv_usec);
 }
 
 }  // namespace
@@ -76,10 +81,11 @@ void ForkedChildren::reap() {
     while (read(ends_.get(), &discarded, sizeof(discarded)) > 0) {
     }
     int status = 0;
-    for (pid_t process = 0; (process = waitpid(-1, &status, WNOHANG)) > 0;) {
+    rusage usage{};
+    for (pid_t process = 0; (process = wait4(-1, &status, WNOHANG, &usage)) > 0;) {
         const auto child = std::ranges::find(children_, process, &Child::process);
         if (child == children_.end()) continue;
-        if (child->socket) report_end_(child->socket, status);
+        if (child->socket) report_end_(child->socket, status, time_of(usage.ru_utime) + time_of(usage.ru_stime));
         children_.erase(child);
     }
 }

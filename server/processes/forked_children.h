@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <optional>
@@ -23,7 +24,8 @@ class ForkedChildren {
 public:
     /// Reports the end of a child to the process that waits for it.
     /// @param status  status of waitpid
-    using ReportEnd = void (*)(const UniqueFd& socket, int status);
+    /// @param used    processor time of the child
+    using ReportEnd = void (*)(const UniqueFd& socket, int status, std::chrono::microseconds used);
 
     using Files = std::array<UniqueFd, 3>;
 

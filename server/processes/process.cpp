@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -73,6 +74,12 @@ void give_back_freed_memory(int bytes) {
 
 void share_heap_among_threads() {
     mallopt(M_ARENA_MAX, 1);
+}
+
+std::chrono::microseconds processor_time() {
+    timespec time{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+    return std::chrono::seconds(time.tv_sec) + std::chrono::microseconds(time.tv_nsec / 1000);
 }
 
 std::size_t open_descriptors() {

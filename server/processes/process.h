@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <optional>
 
@@ -22,6 +23,9 @@ void give_back_freed_memory(int bytes);
 /// Makes all threads allocate from one heap. By default, glibc gives most threads separate arenas, which keep freed
 /// memory. Must be called before threads are created.
 void share_heap_among_threads();
+
+/// Processor time of this process, over all threads.
+std::chrono::microseconds processor_time();
 
 std::size_t open_descriptors();
 std::size_t max_descriptors();

@@ -25,8 +25,12 @@ constexpr std::chrono::seconds kPause{1};
 /// Time-out of the reply to a probe. It suffices on a busy machine.
 constexpr std::chrono::seconds kLongestSilence{4};
 
-tl::unexpected<Error> cannot_start(const std::string& name, const std::string& why) {
-    return failure(ErrorCode::Internal, "cannot start the " + name + ": " + why);
+/// Maximum time until a program is ready.
+constexpr std::chrono::seconds kLongestStart{30};
+
+tl::unexpected<Error> cannot_start(const std::string& name, const std::string& why,
+                                   ErrorCode code = ErrorCode::Internal) {
+    return failure(code, "cannot start the " + name + ": " + why);
 }
 
 /// Waits until a descriptor is readable, and returns the descriptor; -1 after the deadline.
@@ -75,8 +79,8 @@ Result<SupervisedProgram::Running> SupervisedProgram::launch() const {
 }
 
 /// Waits until the program reports that it is ready. Kills the program if it does not report in time.
+/// Errors: Unavailable if the program was killed from outside; otherwise Internal.
 Result<void> SupervisedProgram::await(Running& running) {
-    constexpr std::chrono::seconds kLongestStart{30};
     const int ours = running.socket->get();
     int ready = -1;
     for (const auto longest : {kPause + kLongestSilence, kLongestStart}) {
@@ -88,9 +92,30 @@ Result<void> SupervisedProgram::await(Running& running) {
         set_responsive(true);
         return {};
     }
-    // If the socket was closed, the program is about to end and need not be killed.
-    if (ready != ours) running.program.kill();
-    return cannot_start(name_, "it " + running.program.wait());
+    // If the socket was closed, the program has ended or is about to end.
+    const bool ends_itself = ready == ours || ready == running.program.ended();
+    if (!ends_itself) running.program.kill();
+    const auto status = running.program.wait();
+    return cannot_start(name_, "it " + describe_end(status),
+                        ends_itself && is_killed_from_outside(status) ? ErrorCode::Unavailable : ErrorCode::Internal);
+}
+
+/// Waits until the program is ready for the first time. Restarts it while it is killed from outside, within the time
+/// for a start.
+Result<void> SupervisedProgram::await_first_start(Running& running) {
+    const auto until = running.started + kLongestStart;
+    Backoff backoff;
+    auto ready = await(running);
+    while (!ready && ready.error().code == ErrorCode::Unavailable && Clock::now() < until) {
+        ++restarts_;
+        report_(ready.error().message + "; it is started again");
+        if (wait_for_any({closing_.get()}, Clock::now() + backoff.after({})) >= 0) break;
+        ready = launch().and_then([&](Running&& next) {
+            running = std::move(next);
+            return await(running);
+        });
+    }
+    return ready;
 }
 
 /// Restarts the program, after pauses, until it is ready.
@@ -108,7 +133,7 @@ std::optional<SupervisedProgram::Running> SupervisedProgram::launch_again(Backof
 
 void SupervisedProgram::watch(Running running) {
     constexpr std::chrono::seconds kToEnd{1};
-    auto ready = await(running);
+    auto ready = await_first_start(running);
     if (ready) set_socket(running.socket);
     const bool is_there = ready.has_value();
     end_start(std::move(ready));
@@ -118,7 +143,7 @@ void SupervisedProgram::watch(Running running) {
         set_socket(nullptr);
         responsive_ = true;
         ++restarts_;
-        report_("the " + name_ + " " + running.program.wait() + ", and is started again");
+        report_("the " + name_ + " " + describe_end(running.program.wait()) + ", and is started again");
         auto next = launch_again(backoff, Clock::now() - running.started);
         if (!next) return;
         running = *std::move(next);

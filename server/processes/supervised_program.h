@@ -49,8 +49,9 @@ public:
     SupervisedProgram(const SupervisedProgram&) = delete;
     SupervisedProgram& operator=(const SupervisedProgram&) = delete;
 
-    /// Waits until the program is ready for the first time.
-    /// Errors: Internal if the program ended before it was ready, in which case it is not restarted; Stopped.
+    /// Waits until the program is ready for the first time. A program that is killed from outside before it is ready is
+    /// started again, for up to 30 s.
+    /// Errors: Internal if the program ended otherwise; Unavailable if it was killed for too long; Stopped.
     Result<void> wait_until_ready(const std::stop_token& stop = {});
 
     /// Returns the socket to the program. Waits for a restart of the program until the deadline, and for its first
@@ -81,6 +82,7 @@ private:
     SupervisedProgram(std::string name, Launch launch, Greet greet, Report report, UniqueFd closing);
 
     Result<Running> launch() const;
+    Result<void> await_first_start(Running& running);
     Result<void> await(Running& running);
     void watch(Running running);
     bool attend(const Running& running);

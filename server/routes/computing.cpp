@@ -61,6 +61,17 @@ tl::unexpected<Problem> cancelled(tl::unexpected<Problem> why, std::string_view 
     return why;
 }
 
+/// Adds the stages of another part of the same request to a record.
+void add_stages(const Stages& more, Record& record) {
+    auto& [queue, work] = record.stages;
+    queue += more.queue;
+    work.decode += more.work.decode;
+    work.optimise += more.work.optimise;
+    work.encode += more.work.encode;
+    work.processor += more.work.processor;
+    work.threads = std::max(work.threads, more.work.threads);
+}
+
 /// Converts an answer to a response.
 /// @param name  name of the answer; becomes its tag, unless the answer is partial
 Response response_of(api::Answer answer, const std::string& name, Record& record) {
@@ -105,20 +116,38 @@ public:
         stages_.queue = Milliseconds(Clock::now() - submitted_).count();
     }
 
-    /// Sets the result. Only the first call has an effect.
-    void finish(Result<T> result, const api::Timings& timings) {
+    /// Sets the result. Only the first call has an effect, and none after displace().
+    /// @returns  whether the call had an effect
+    bool finish(Result<T> result, const api::Timings& timings) {
         const std::lock_guard lock(mutex_);
-        if (finished_already_) return;
-        finished_already_ = true;
+        if (std::exchange(finished_already_, true)) return false;
         stages_.work = timings;
         result_ = std::move(result);
         finished_.notify_all();
+        return true;
     }
 
-    /// Waits for the result; returns whether it has arrived.
+    /// Ends the wait without a result, unless a result was set: see WorkerPool::Displace.
+    bool displace() {
+        {
+            const std::lock_guard lock(mutex_);
+            if (std::exchange(finished_already_, true)) return false;
+            displaced_ = true;
+            finished_.notify_all();
+        }
+        abandon();
+        return true;
+    }
+
+    bool is_displaced() const {
+        const std::lock_guard lock(mutex_);
+        return displaced_;
+    }
+
+    /// Waits for the result; returns whether it has arrived or the task was displaced.
     bool wait_until(Clock::time_point time) {
         std::unique_lock lock(mutex_);
-        return finished_.wait_until(lock, time, [this] { return result_.has_value(); });
+        return finished_.wait_until(lock, time, [this] { return result_.has_value() || displaced_; });
     }
 
     Result<T> take_result() {
@@ -142,7 +171,8 @@ private:
     mutable std::mutex mutex_;  ///< guards the members below
     std::condition_variable finished_;
     std::optional<Result<T>> result_;
-    bool finished_already_ = false;  ///< a result was set, and may have been taken
+    bool finished_already_ = false;  ///< a result was set, and may have been taken, or the task was displaced
+    bool displaced_ = false;
     Stages stages_;
 };
 
@@ -158,8 +188,9 @@ public:
     TeeWriter& operator=(const TeeWriter&) = delete;
 
     Result<void> begin(const api::Answer& head) override {
+        if (!pending_.finish(ComputedAnswer{head, {}, pipe_}, timings_))
+            return failure(ErrorCode::Stopped, "the computation is repeated later");
         copy_ = head;
-        pending_.finish(ComputedAnswer{head, {}, pipe_}, timings_);
         return {};
     }
 
@@ -376,8 +407,8 @@ HttpResult<Computing::AcceptedPointer> Computing::convert_shapefile(const Accept
                                                                     Clock::time_point deadline) {
     if (!holds_shapefile(accepted->operation, accepted->request)) return accepted;
     const std::size_t max_bytes = max_shapefile_bytes(config_.max_body, pool_.memory().total());
-    Task<ComputeRequest> task = [this, accepted, max_bytes](const Control& control, api::Timings&, auto&) {
-        return with_geojson(accepted->request, max_bytes, read_shapefile_, control.stop);
+    Task<ComputeRequest> task = [this, accepted, max_bytes](const Control& control, api::Timings& timings, auto&) {
+        return with_geojson(accepted->request, max_bytes, read_shapefile_, control.stop, timings);
     };
     auto request =
         run_in_worker(std::move(task), cost_of_shapefile(accepted->request.body, max_bytes), incoming, {deadline});
@@ -399,40 +430,49 @@ HttpResult<Computing::Forecast> Computing::forecast(const AcceptedPointer& accep
     };
     if (!is_quickly_parsed(accepted->operation, accepted->request))
         return run_in_worker<Forecast>([find](const Control&, api::Timings&, auto&) { return find(); },
-                                       cost_of_parsing(accepted->operation, accepted->request), incoming, {deadline});
+                                       cost_of_parsing(accepted->operation, accepted->request), incoming, {deadline},
+                                       Stoppable::No);
     auto found = find();
     if (!found) return problem(std::move(found.error()));
     return *found;
 }
 
-/// Runs a task in a worker, and waits for the result. Adds the time in the queue to the record's stages.
+/// Runs a task in a worker, and waits for the result. Adds the stages of the task to the record. If the pool displaces
+/// the task, runs it again as a long one.
 template <class T>
-HttpResult<T> Computing::run_in_worker(Task<T> task, const api::Cost& cost, const Incoming& incoming,
-                                       const TimeLimit& limit) {
+HttpResult<T> Computing::run_in_worker(Task<T> task, api::Cost cost, const Incoming& incoming, const TimeLimit& limit,
+                                       Stoppable stoppable) {
     if (cost.memory > pool_.memory().total()) return too_large(cost.memory);
-    const auto pending = std::make_shared<PendingResult<T>>();
-    const auto job = pool_.submit(
-        incoming.connection.client_name(),
-        [pending, task = std::move(task)](std::stop_token stop) {
+    while (true) {
+        const auto pending = std::make_shared<PendingResult<T>>();
+        const auto run = [pending, task](WorkerPool::Turn& turn) {
             pending->begin();
             api::Timings timings;
             try {
-                pending->finish(task(Control{std::move(stop), {}}, timings, *pending), timings);
+                pending->finish(task(Control{turn.stop, {}}, timings, *pending), timings);
             } catch (const std::exception& exception) {
                 pending->finish(failure(ErrorCode::Internal, exception.what()), timings);
             }
-        },
-        cost);
-    if (!job) return busy(429, "too many requests are waiting");
-    const double waited_before = incoming.record.stages.queue;
-    const auto waited = wait_for(*pending, *job, incoming, limit);
-    incoming.record.stages = pending->stages();
-    incoming.record.stages.queue += waited_before;
-    if (!waited) return tl::unexpected(waited.error());
-    auto result = pending->take_result();
-    if (!result && result.error().code == ErrorCode::Stopped) return too_slow(incoming.record);
-    if (!result) return problem(std::move(result.error()));
-    return *std::move(result);
+            turn.used = timings.processor * 1e-3;
+        };
+        const auto displace = [task_of = std::weak_ptr(pending), stoppable] {
+            const auto running = task_of.lock();
+            return stoppable == Stoppable::Yes && running && running->displace();
+        };
+        const auto job = pool_.submit(incoming.connection.client_name(), run, cost, displace);
+        if (!job) return busy(429, "too many requests are waiting");
+        const auto waited = wait_for(*pending, *job, incoming, limit);
+        add_stages(pending->stages(), incoming.record);
+        if (!waited) return tl::unexpected(waited.error());
+        if (pending->is_displaced()) {
+            cost.seconds = std::max(cost.seconds, 2 * WorkerPool::kShort);
+            continue;
+        }
+        auto result = pending->take_result();
+        if (!result && result.error().code == ErrorCode::Stopped) return too_slow(incoming.record);
+        if (!result) return problem(std::move(result.error()));
+        return *std::move(result);
+    }
 }
 
 /// Waits for a result until the client closes the connection, the server shuts down (Computing::abandon), or the

@@ -68,6 +68,9 @@ private:
         bool accepts_partial = false;
     };
 
+    /// Whether a task can be stopped, so that the pool may displace it.
+    enum class Stoppable { Yes, No };
+
     /// Limits of the wait for a result.
     struct TimeLimit {
         Clock::time_point deadline;                 ///< time at which the computation is told to stop
@@ -91,7 +94,8 @@ private:
     HttpResult<Forecast> forecast(const AcceptedPointer& accepted, const Incoming& incoming,
                                   Clock::time_point deadline);
     template <class T>
-    HttpResult<T> run_in_worker(Task<T> task, const api::Cost& cost, const Incoming& incoming, const TimeLimit& limit);
+    HttpResult<T> run_in_worker(Task<T> task, api::Cost cost, const Incoming& incoming, const TimeLimit& limit,
+                                Stoppable stoppable = Stoppable::Yes);
     template <class T>
     HttpResult<void> wait_for(PendingResult<T>& pending, WorkerPool::JobId job, const Incoming& incoming,
                               const TimeLimit& limit);

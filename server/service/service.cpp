@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/service/service.h"
 
-#include <cstdint>
-#include <stop_token>
+#include <chrono>
 #include <utility>
 
 #include "server/config/descriptor_plan.h"
@@ -74,7 +73,8 @@ Result<std::unique_ptr<JobStore>> start_store(const Config& config, RedisClient*
 Result<std::unique_ptr<ComputeSupervisor>> start_computing(const Config& config, DecoderSupervisor& decoder,
                                                            const Log& log) {
     return ComputeSupervisor::start(
-        [](UniqueFd socket) { return spawn_sibling("ccdt-worker", std::move(socket)); }, {.limits = config.limits},
+        [](UniqueFd socket) { return spawn_sibling("ccdt-worker", std::move(socket)); },
+        {.limits = config.limits, .to_yield = WorkerPool::kOverrun, .nice_of_long = WorkerPool::kNiceOfLong},
         [&decoder](const Order& order, const std::stop_token& stop) { decoder.relay(order, stop); },
         [&log](const std::string& what) { log.error(what); });
 }
@@ -148,20 +148,18 @@ Service::Service(const Config& config, Parts parts, const Log& log)
                 metrics_.add(end);
                 log_.job(end);
             }),
-      decoding_([this](const Order& order, const std::stop_token& stop) { return parts_.decoder->relay(order, stop); }),
-      routes_(config, {.access_control = *parts_.access_control,
-                       .pool = pool_,
-                       .waiting_memory = waiting_memory_,
-                       .compute = compute_in(*parts_.computing),
-                       .jobs = jobs_,
-                       .metrics = metrics_,
-                       .obstacle = [this] { return obstacle(); },
-                       .warn = [this](const std::string& what) { log_.warning(what); },
-                       .answers = parts_.redis.answers.get(),
-                       .read_shapefile =
-                           [this](std::string_view archive, const auto& reading, const auto& stop) {
-                               return decoding_.read_shapefile(archive, reading, stop);
-                           }}),
+      routes_(config,
+              {.access_control = *parts_.access_control,
+               .pool = pool_,
+               .waiting_memory = waiting_memory_,
+               .compute = compute_in(*parts_.computing),
+               .jobs = jobs_,
+               .metrics = metrics_,
+               .obstacle = [this] { return obstacle(); },
+               .warn = [this](const std::string& what) { log_.warning(what); },
+               .answers = parts_.redis.answers.get(),
+               .read_shapefile = [this](std::string_view archive, const auto& reading, const auto& stop,
+                                        auto& timings) { return read_shapefile(archive, reading, stop, timings); }}),
       server_(
           std::move(parts_.listener), config.patience, config.capacity, config.trusted_proxies,
           [this](const auto& request, const auto& received, auto& connection) {
@@ -207,10 +205,20 @@ std::string Service::obstacle() const {
     return parts_.computing->is_responsive() ? "" : "the fork server of computations does not answer";
 }
 
+Result<std::string> Service::read_shapefile(std::string_view archive, const api::ShapefileReading& reading,
+                                            const std::stop_token& stop, api::Timings& timings) {
+    DecoderClient client(
+        [this](const Order& order, const std::stop_token& given_up) { return parts_.decoder->relay(order, given_up); });
+    auto text = client.read_shapefile(archive, reading, stop);
+    timings.processor = std::chrono::duration<double, std::milli>(client.processor_time()).count();
+    shapefile_deaths_ += client.deaths();
+    return text;
+}
+
 /// Collects the metrics that other classes count.
 Metrics::Watched Service::figures() const {
     auto computing = parts_.computing->counts();
-    computing.decoder_deaths += decoding_.deaths();
+    computing.decoder_deaths += shapefile_deaths_;
     return {.connections = server_.connections(),
             .memory_budget = parts_.memory.total,
             .memory_reserved = pool_.memory().reserved() + waiting_memory_.reserved(),

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <stop_token>
 #include <string>
+#include <string_view>
 
 #include "core/result.h"
 #include "server/access/access_control.h"
@@ -85,6 +89,8 @@ private:
     static Result<Parts> start_parts(const Config& config, const Log& log);
     Service(const Config& config, Parts parts, const Log& log);
 
+    Result<std::string> read_shapefile(std::string_view archive, const api::ShapefileReading& reading,
+                                       const std::stop_token& stop, api::Timings& timings);
     std::string obstacle() const;
     Metrics::Watched figures() const;
 
@@ -96,7 +102,7 @@ private:
     WorkerPool pool_;
     Metrics metrics_;
     Jobs jobs_;
-    DecoderClient decoding_;  ///< for shapefiles; computation processes have separate clients for pictures
+    std::atomic<std::uint64_t> shapefile_deaths_ = 0;  ///< see DecoderClient::deaths()
     Routes routes_;
     HttpServer server_;
 };

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <map>
@@ -14,8 +15,8 @@
 namespace ccdt::server {
 
 /// A fair queue for the items of several clients. The next item belongs to the client that has received the least
-/// service, which is the total cost of its items. An idle client gains no credit. When the queue becomes empty, it
-/// forgets the service received.
+/// service, which is the total cost of its items. The cost of an item is an estimate until charge() corrects it. An
+/// idle client gains no credit. When the queue becomes empty, it forgets the service received.
 ///
 /// Not thread-safe. O(items) per operation.
 /// Source: Goyal, Vin, Cheng 1996, Start-time fair queuing.
@@ -25,7 +26,8 @@ public:
     struct Entry {
         std::string client;
         double cost = 0;
-        double start_tag = 0;  ///< virtual time at which the service of this item may start
+        double start_tag = 0;          ///< virtual time at which the service of this item may start
+        std::uint64_t generation = 0;  ///< see generation()
         Item item;
     };
 
@@ -42,7 +44,21 @@ public:
         double& finish_tag = finish_tags_.try_emplace(client, virtual_time_).first->second;
         const double start_tag = std::max(virtual_time_, finish_tag);
         finish_tag = start_tag + cost;
-        entries_.push_back({client, cost, start_tag, std::move(item)});
+        entries_.push_back({client, cost, start_tag, generation_, std::move(item)});
+    }
+
+    /// Number of times that the queue has forgotten the service received.
+    std::uint64_t generation() const { return generation_; }
+
+    /// Replaces the estimated cost of an item that was taken by its real cost. Also moves the waiting items of the
+    /// client. An empty queue ignores the call.
+    /// @param generation  generation in which the item was added; in a later one, its estimate is already forgotten
+    void charge(const std::string& client, std::uint64_t generation, double estimate, double cost) {
+        if (empty()) return;
+        const double more = generation == generation_ ? cost - estimate : cost;
+        finish_tags_.try_emplace(client, virtual_time_).first->second += more;
+        for (Entry& entry : entries_)
+            if (entry.client == client) entry.start_tag += more;
     }
 
     /// Returns the first entry with the lowest start tag. The queue must not be empty.
@@ -63,7 +79,7 @@ public:
             if (test(entry->item) && (next == entries_.end() || entry->start_tag < next->start_tag)) next = entry;
         if (next == entries_.end()) return std::nullopt;
         advance(next->start_tag);
-        Entry taken{next->client, next->cost, next->start_tag, {}};
+        Entry taken{next->client, next->cost, next->start_tag, next->generation, {}};
         taken.item = remove(next);
         return taken;
     }
@@ -98,11 +114,13 @@ private:
         if (entries_.empty()) {
             finish_tags_.clear();
             virtual_time_ = 0;
+            ++generation_;
         }
         return item;
     }
 
     std::deque<Entry> entries_;
+    std::uint64_t generation_ = 0;
     double virtual_time_ = 0;                                 ///< highest start tag of the entries taken so far
     std::map<std::string, double, std::less<>> finish_tags_;  ///< finish tags of clients, if above the virtual time
 };

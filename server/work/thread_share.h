@@ -6,6 +6,12 @@
 
 namespace ccdt::server {
 
+/// Returns the maximum number of computations at the same time: one for each worker, a short one, and those that were
+/// taken for short ones, see WorkerPool.
+constexpr std::size_t max_computations(std::size_t workers) {
+    return 2 * workers + 1;
+}
+
 /// Returns the number of threads that each computation may use, including those of idle workers.
 /// @param workers      number of workers, >= 1
 /// @param running      number of computations, including those of short requests

@@ -24,10 +24,14 @@ namespace ccdt::server {
 
 /// A fixed number of threads that run all computations, with bounded queues.
 ///
-/// The queues are fair between clients (FairQueue), by the estimated cost of jobs. A client without a waiting job is
-/// admitted to a full queue, until the queue is twice as long as its limit. So one client's hundred waiting jobs do not
-/// delay a single job of another client. Short jobs have a separate queue and one additional thread, so that they need
-/// not wait for long ones.
+/// The queues are fair between clients (FairQueue), by the processor time of jobs, which is estimated until a job has
+/// ended. A client without a waiting job is admitted to a full queue, until the queue is twice as long as its limit. So
+/// one client's hundred waiting jobs do not delay a single job of another client. Short jobs have a separate queue and
+/// one additional slot, so that they need not wait for long ones.
+///
+/// A job whose estimate was too low leaves the slot of short jobs after kOverrun, and another thread runs the next
+/// short job. As many of these jobs as there are workers may continue beside the workers. Beyond that number, the pool
+/// displaces one of them, and its owner submits it again as a long job.
 ///
 /// A job starts only when its estimated memory is available. Until then, the next jobs of the same queue wait, too.
 /// Otherwise, a large job might never start.
@@ -35,17 +39,31 @@ namespace ccdt::server {
 /// Thread-safe; jobs may call all members.
 class WorkerPool {
 public:
-    /// The function of a job. It must deliver its own result. Exceptions from it are ignored.
-    using Job = std::function<void(std::stop_token)>;
     using JobId = std::uint64_t;
     using Clock = std::chrono::steady_clock;
+
+    /// What the pool and a running job tell each other.
+    struct Turn {
+        std::stop_token stop;
+        double used = 0;  ///< processor time in seconds, set by the job; 0: unknown, the elapsed time is charged
+
+        operator const std::stop_token&() const { return stop; }
+    };
+
+    /// The function of a job. It must deliver its own result. Exceptions from it are ignored.
+    using Job = std::function<void(Turn&)>;
+
+    /// Tells the owner of a running job that the pool stops the job, so that the owner submits it again as a long job.
+    /// Must return quickly, and must not use the pool.
+    /// @returns  false if that is not possible, because the delivery of the result has begun
+    using Displace = std::function<bool()>;
 
     /// State of a job when it was cancelled.
     enum class Cancelled { Queued, Running, Unknown };
 
     struct Load {
         std::size_t workers = 0;
-        std::size_t busy = 0;        ///< threads that run a job; at most workers + 1
+        std::size_t busy = 0;        ///< threads that run a job; at most max_computations(workers)
         std::size_t waiting = 0;     ///< waiting jobs
         std::size_t capacity = 0;    ///< limit of waiting jobs
         double oldest_seconds = 0;   ///< longest time that a waiting job has waited so far
@@ -55,6 +73,13 @@ public:
 
     /// Limit of the estimated duration of short jobs, in seconds.
     static constexpr double kShort = 0.02;
+
+    /// Time after which a job leaves the slot of short jobs. Other short jobs wait at most this long for a job whose
+    /// estimate was too low.
+    static constexpr std::chrono::milliseconds kOverrun{50};
+
+    /// Nice value of the threads that run long jobs.
+    static constexpr int kNiceOfLong = 10;
 
     /// @param workers   >= 1
     /// @param capacity  limit of waiting jobs while all workers are busy, separately for short and long jobs
@@ -68,10 +93,12 @@ public:
     WorkerPool& operator=(const WorkerPool&) = delete;
 
     /// Submits a job.
-    /// @param client  name of the client, for fair queueing
-    /// @param cost    estimated cost; its memory must not exceed the limit of the pool
-    /// @returns       none if the queue is full
-    std::optional<JobId> submit(const std::string& client, Job job, const api::Cost& cost = {0, 1});
+    /// @param client    name of the client, for fair queueing
+    /// @param cost      estimated cost; its memory must not exceed the limit of the pool
+    /// @param displace  empty: the job cannot be displaced
+    /// @returns         none if the queue is full
+    std::optional<JobId> submit(const std::string& client, Job job, const api::Cost& cost = {0, 1},
+                                Displace displace = {});
 
     /// Submits a job even if the queue is full. The caller limits the number of such jobs.
     JobId submit_always(const std::string& client, Job job, const api::Cost& cost);
@@ -99,18 +126,25 @@ public:
     std::chrono::seconds backlog() const;
 
 private:
-    /// The jobs that a thread runs: all, or short ones only.
-    enum class Lane { Any, Short };
+    /// The jobs that a thread runs: all, or short ones only. Jobs leave the lane Short to Overrun, and Overrun to
+    /// Displaced.
+    enum class Lane { Any, Short, Overrun, Displaced };
 
     struct Waiting {
         JobId id = 0;
+        std::string client;
+        std::uint64_t generation = 0;  ///< of its queue
         api::Cost cost;
         Clock::time_point came;
         Job job;
+        Displace displace;
     };
     struct Running {
         std::stop_source stop;
-        Lane lane{};          ///< lane of the thread
+        std::string client;
+        std::uint64_t generation = 0;
+        Displace displace;
+        Lane lane{};
         double expected = 0;  ///< in seconds
         Clock::time_point started;
         std::optional<Clock::time_point> cancelled = {};
@@ -119,14 +153,19 @@ private:
     using Queue = FairQueue<Waiting>;
 
     void work(Lane lane, const std::stop_token& closing);
-    static void run(const Job& job, const std::stop_token& stop);
-    JobId push_locked(const std::string& client, Job job, const api::Cost& cost);
+    static void run(const Job& job, Turn& turn);
+    void watch_short_lane(const std::stop_token& closing);
+    void leave_short_lane_locked();
+    void wake_all_locked();
+    JobId push_locked(const std::string& client, Job job, const api::Cost& cost, Displace displace);
+    Queue& queue_of(double seconds) { return seconds <= kShort ? short_ : long_; }
+    std::size_t count_locked(Lane lane) const;
     bool accepts_locked(std::string_view client, bool is_short) const;
     std::size_t waiting_locked() const { return long_.size() + short_.size(); }
     bool is_idle_locked() const { return waiting_locked() == 0 && running_.empty(); }
     std::optional<Waiting> take_job_locked(Lane lane, std::optional<MemoryBudget::Lease>& memory);
-    std::stop_token begin_locked(const Waiting& job, Lane lane);
-    void finish_locked(JobId id);
+    std::stop_token begin_locked(Waiting& job, Lane lane);
+    void finish_locked(JobId id, double used);
     double waiting_seconds_locked() const;
 
     const std::size_t worker_count_;
@@ -135,16 +174,20 @@ private:
     MemoryBudget memory_;
     std::function<void(std::size_t running)> callback_ = [](std::size_t) {};
 
-    mutable std::mutex mutex_;  ///< guards the members from here to `pace_`
-    std::condition_variable_any job_waits_;
+    mutable std::mutex mutex_;                     ///< guards the members from here to `pace_`
+    std::condition_variable_any job_waits_;        ///< for the threads of the lane Any
+    std::condition_variable_any short_job_waits_;  ///< for the threads of the lane Short
+    std::condition_variable_any short_lane_used_;  ///< for the thread that watches the lane Short
     std::condition_variable idle_;
     Queue long_;
     Queue short_;
     std::map<JobId, Running> running_;
+    std::optional<JobId> in_short_lane_;  ///< the running job in the lane Short
+    bool watched_ = false;                ///< the watching thread will look at the lane Short again by itself
     JobId last_id_ = 0;
     double pace_ = 1;  ///< actual / estimated duration of jobs: a running average
 
-    std::vector<std::jthread> workers_;  ///< last, because they use all other members
+    std::vector<std::jthread> threads_;  ///< last, because they use all other members
 };
 
 }  // namespace ccdt::server

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <chrono>
 #include <csignal>
 #include <string_view>
 #include <utility>
@@ -6,6 +7,7 @@
 #include "server/compute/compute_process.h"
 #include "server/compute/fork_server.h"
 #include "server/processes/child_program.h"
+#include "server/processes/process.h"
 
 namespace ccdt::server {
 namespace {
@@ -14,13 +16,20 @@ bool asks_for(const ComputeRequest& request, std::string_view seed) {
     return request.body.find(seed) != std::string::npos || request.query.find(seed) != std::string::npos;
 }
 
-/// Computes like ccdt-worker, but crashes or hangs for certain seeds.
+void spin_for_seconds(int seconds) {
+    const auto end = processor_time() + std::chrono::seconds(seconds);
+    while (processor_time() < end) {
+    }
+}
+
+/// Computes like ccdt-worker, but crashes, hangs or takes much longer than estimated for certain seeds.
 Result<api::Answer> compute(const ComputeRequest& request, const Delivery& delivery, const api::Limits& limits,
                             const api::Decode& decode, const Control& control, api::Timings& timings) {
     if (asks_for(request, "1300000001")) raise(SIGSEGV);
     volatile bool endless = asks_for(request, "1300000002");
     while (endless) {
     }
+    if (asks_for(request, "1300000003")) spin_for_seconds(1);
     return compute_here(request, delivery, limits, decode, control, timings);
 }
 

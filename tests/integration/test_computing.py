@@ -2,6 +2,7 @@
 """Computations that crash, hang or are killed: each affects only its own request."""
 
 import contextlib
+import http.client
 import json
 import os
 import pathlib
@@ -12,12 +13,12 @@ import tempfile
 import time
 import unittest
 
-from harness import Call, Server, ServerCase, ask, figures_at_rest, file_of, post_json, wait_until
+from harness import PATIENCE, Call, Server, ServerCase, ask, figures_at_rest, file_of, post_json, wait_until
 
 TORUS = {"type": "torus", "width": 1, "height": 1}
 JSON = ("--header", "Content-Type: application/json")
 CRASHING = os.environ["CCDT_CRASHING_SERVER"]
-CRASH, HANG = 1300000001, 1300000002
+CRASH, HANG, SLOW = 1300000001, 1300000002, 1300000003
 
 
 def sample(sites=100, **members):
@@ -134,6 +135,50 @@ class CrashesOfJobs(unittest.TestCase):
                 self.assertEqual(server.stop(), 0)
 
 
+class Overruns(unittest.TestCase):
+    """Requests that are taken for short ones and take long: two in the workers, two beside them, and others that are
+    displaced and wait for a worker."""
+
+    liars = 8
+    limit = 0.1  # of the 99th percentile of the time of short requests, in seconds
+
+    def start(self, server, seed):
+        """Starts the long requests, and returns them once two of them run beside the workers."""
+        calls = [Call(server.url("/sample"), *JSON, data=sample(seed=seed)) for _ in range(self.liars)]
+        wait_until(lambda: figure(server, "ccdt_workers_busy") >= 4)
+        return calls
+
+    @staticmethod
+    def percentile_of_short_requests(server):
+        """Returns the 99th percentile of the time of a hundred short requests of one client, in seconds."""
+        connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=PATIENCE)
+        times = []
+        with contextlib.closing(connection):
+            for _ in range(100):
+                start = time.monotonic()
+                connection.request("POST", "/sample", sample(50), {"Content-Type": "application/json"})
+                answer = connection.getresponse()
+                assert answer.status == 200, answer.read()
+                answer.read()
+                times.append(time.monotonic() - start)
+        return sorted(times)[98]
+
+    def test_do_not_delay_short_requests(self):
+        with Server("--workers=2", program=CRASHING) as server:
+            for call in self.start(server, HANG):
+                self.addCleanup(call.abandon)
+            # Other programs may delay some of the rounds.
+            wait_until(lambda: self.percentile_of_short_requests(server) < self.limit)
+            self.assertLessEqual(figure(server, "ccdt_workers_busy"), 5)
+
+    def test_are_answered(self):
+        with Server("--workers=2", program=CRASHING) as server:
+            expected = post_json(server, "/sample", sample(seed=SLOW)).body
+            for answer in [call.answer() for call in self.start(server, SLOW)]:
+                self.assertEqual((answer.status, answer.body), (200, expected))
+            self.assertEqual(figure(server, "ccdt_computation_crashes_total"), 0)
+
+
 class Threads(unittest.TestCase):
     """Large requests get as many threads as idle workers leave."""
 
@@ -215,12 +260,11 @@ class Kills(unittest.TestCase):
 
     def test_of_the_server_leave_no_processes(self):
         with Server("--workers=1") as server:
-            post_json(server, "/sample", sample())
-            maker = fork_server(server)
-            family = [maker, *children(maker)]
-            self.assertGreater(len(family), 1)
             running = Call(server.url("/sample"), *JSON, data=sample(100_000, iterations=1000))
             wait_until(lambda: figure(server, "ccdt_workers_busy") == 1)
+            maker = fork_server(server)
+            wait_until(lambda: children(maker))
+            family = [maker, *children(maker)]
             server.signal(signal.SIGKILL)
             server.wait()
             running.abandon()
@@ -284,6 +328,18 @@ class Silence(unittest.TestCase):
             with self.subTest(name), self.server_whose_program_is_stopped(name) as (server, process):
                 self.assertEqual(server.stop(), 0)
                 wait_until(lambda: not pathlib.Path(f"/proc/{process}").exists())
+
+    def test_of_programs_that_are_killed_ends_with_another_start(self):
+        for name in ("ccdt-decoder", "ccdt-worker"):
+            with self.subTest(name), self.server_whose_program_is_stopped(name) as (server, process):
+                os.kill(process, signal.SIGKILL)
+                server.wait_for_log("it was killed by signal 9 (Killed); it is started again")
+                (again,) = wait_until(
+                    lambda: [child for child, state in children(server.process.pid).items() if state == "T"])
+                os.kill(again, signal.SIGCONT)
+                self.assertEqual(post_json(server, "/sample", sample()).status, 200)
+                server.wait_for_log("pictures are decoded by user")
+                self.assertEqual(server.stop(), 0)
 
     def test_is_not_reported_for_busy_workers(self):
         with Server("--workers=1") as server:

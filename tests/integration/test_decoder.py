@@ -102,6 +102,15 @@ class Family:
 
         return wait_until(find)
 
+    def decoding(self):
+        """Returns a child that decodes; none if there is none."""
+        for keeper in self.keepers():
+            for helper in keeper.children():
+                for child in helper.children():
+                    if (child.output() or "").startswith("socket:"):
+                        return child
+        return None
+
     def everyone(self):
         return [self.keeper(), self.helper(), self.spare()]
 
@@ -132,15 +141,45 @@ class Failures(ServerCase):
         files = {link for link in family.server.links() if "memfd" in link}
         self.assertEqual(files, {"/memfd:number (deleted)"}, "neither pictures nor replies")
 
-    def test_of_a_decoder_fail_only_its_own_picture(self):
+    def end_decoder(self, number):
+        """Requests a picture, and sends a signal to the process that decodes it. Returns the answer."""
         family = Family(self.server)
         spare = family.spare()
         # Takes a moment even on a fast machine.
         call = Call(self.server.url("/halftone?sites=50"), data=file_of(flat(99, 7900, 7900)))
         wait_until(lambda: len(family.helper().children()) == 2)
-        spare.kill()
-        self.assert_problem(call.answer(), 422, "could not be decoded")
+        spare.kill(number)
+        return call.answer()
+
+    def test_of_a_decoder_fail_only_its_own_picture(self):
+        self.assert_problem(self.end_decoder(signal.SIGSEGV), 422, "could not be decoded")
         self.halftone(CAMERA, "?sites=50")
+
+    def test_from_outside_are_repaired(self):
+        self.assertEqual(self.end_decoder(signal.SIGKILL).status, 200)
+
+
+class Jobs(unittest.TestCase):
+    """Jobs whose decoders are killed from outside."""
+
+    def test_survive_kills(self):
+        large = file_of(flat(99, 4000, 4000))
+        with Server("--workers=2") as server:
+            family = Family(server)
+            expected = ask(server, "/halftone?sites=50", data=large).body
+            jobs = [ask(server, "/halftone?sites=50", "--header", "Prefer: respond-async", data=large)
+                    .headers["location"] for _ in range(3)]
+            # Two kills of a decoder, and one of the helper, use up two starts of a job at most.
+            for find_victim in (family.decoding, family.decoding, family.helper):
+                wait_until(family.decoding)
+                victim = wait_until(find_victim)
+                victim.kill()
+                wait_until(lambda victim=victim: not victim.is_running())
+            for job in jobs:
+                wait_until(lambda job=job: ask(server, job).json()["status"] not in ("queued", "running"))
+                answer = ask(server, job + "/result")
+                self.assertEqual((answer.status, answer.body), (200, expected), ask(server, job).json()["error"])
+            self.assertEqual(server.stop(), 0)
 
 
 class Start(unittest.TestCase):

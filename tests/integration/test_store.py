@@ -10,6 +10,7 @@ import random
 import re
 import shutil
 import signal
+import sqlite3
 import subprocess
 import tempfile
 import unittest
@@ -54,6 +55,24 @@ def wait_for_end(server, job):
 
 def figure(server, name):
     return float(re.search(rf"^{name} (\S+)$", ask(server, "/metrics").body.decode(), re.MULTILINE)[1])
+
+
+class Upgrades(unittest.TestCase):
+    """Jobs that a server of release 1.0.0 has stored."""
+
+    def test_run_waiting_jobs(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with contextlib.closing(sqlite3.connect(f"{folder}/jobs.sqlite")) as store:
+                store.executescript((pathlib.Path(__file__).parent / "jobs-1.0.0.sql").read_text())
+                waiting = store.execute("SELECT '/jobs/' || id, path, body FROM jobs JOIN questions USING (row)")
+                waiting = waiting.fetchall()
+            self.assertEqual(len(waiting), 2)
+            with Server(f"--data-dir={folder}") as server:
+                for job, path, body in waiting:
+                    self.assertEqual(wait_for_end(server, job), "succeeded")
+                    self.assertEqual(exchange(server, "GET", job + "/result"), exchange(server, "POST", path, body))
+                self.assertEqual(figure(server, "ccdt_job_store_damages_total"), 0)
+                self.assertEqual(server.stop(), 0)
 
 
 class Bits(unittest.TestCase):

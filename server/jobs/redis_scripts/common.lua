@@ -149,6 +149,20 @@ local function forget_turns_if_empty()
     redis.call('HDEL', key('state'), 'turn')
 end
 
+-- Replaces the estimated seconds of a claimed job by those used, in the service that its client has received. If they
+-- differ by more than a second, also moves the waiting jobs of the client, which takes longer.
+local function charge(id, used)
+    if used <= 0 or redis.call('EXISTS', key('queue')) == 0 then return end
+    local client, more = field(id, 'client'), used - tonumber(field(id, 'seconds'))
+    local had = tonumber(redis.call('ZSCORE', key('had'), client) or 'nil')
+    if not had and more < 0 then return end  -- the estimate is already forgotten
+    redis.call('ZADD', key('had'), more + (had or state('turn')), client)
+    if math.abs(more) < 1 or redis.call('HEXISTS', key('waiting'), client) == 0 then return end
+    for _, place in ipairs(redis.call('ZRANGE', key('queue'), 0, -1)) do
+        if field(string.sub(place, 17), 'client') == client then redis.call('ZINCRBY', key('queue'), more, place) end
+    end
+end
+
 -- Returns a claimed job to the front of the queue.
 local function put_back(id)
     redis.call('ZREM', key('leases'), id)

@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
 -- (id, claim, key of the uploaded result or empty, its bytes, bytes of the job after its end, limit of stored bytes,
--- a result that was not uploaded and its digest, then names and values of the job's fields)
+-- a result that was not uploaded and its digest, seconds of processor time used or 0, then names and values of the
+-- job's fields)
 -- -> finished and the time, lost, store full
 local id, uploaded, bytes = ARGV[1], ARGV[3], tonumber(ARGV[4])
 
@@ -24,7 +25,8 @@ end
 redis.call('ZREM', key('leases'), id)
 redis.call('UNLINK', question_key(id))
 redis.call('ZADD', key('finished'), exact_now, id)
-redis.call('HSET', job_key(id), 'finished', now, 'result_bytes', bytes, unpack(ARGV, 9))
+redis.call('HSET', job_key(id), 'finished', now, 'result_bytes', bytes, unpack(ARGV, 10))
 set_bytes(id, tonumber(ARGV[5]))
+charge(id, tonumber(ARGV[9]))
 notify('changed ' .. id)
 return {'finished', field(id, 'finished')}

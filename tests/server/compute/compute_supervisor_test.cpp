@@ -71,6 +71,14 @@ Result<api::Answer> obey(const ComputeRequest& request, const Delivery& delivery
         }
     }
     if (request.path == "endless") wait_for_stop({});
+    if (request.path == "yield") {
+        const int wanted = std::stoi(request.query);
+        const auto deadline = std::chrono::steady_clock::now() + test::kPatience;
+        while (getpriority(PRIO_PROCESS, 0) != wanted) {
+            if (std::chrono::steady_clock::now() > deadline)
+                return failure(ErrorCode::Internal, "waited for the nice value " + request.query);
+        }
+    }
     if (request.path == "wait") {
         control.progress({.iteration = 1});
         wait_for_stop(control.stop);
@@ -211,7 +219,7 @@ TEST_F(ComputeSupervisorTest, DoesNotRetryAfterStreamingHasBegun) {
     Sink sink;
     const auto died = supervisor_->compute({"stream and die", "", "", "", "piece"}, {.sink = &sink}, {}, timings_);
     ASSERT_FALSE(died);
-    EXPECT_EQ(died.error().code, ErrorCode::Internal);
+    EXPECT_EQ(died.error().code, ErrorCode::Unavailable);
     EXPECT_EQ(sink.media_types, "pieces");
     EXPECT_LE(sink.pieces, 51);
     const auto failed = supervisor_->compute({"stream and fail", "", "", "", "piece"}, {.sink = &sink}, {}, timings_);
@@ -296,6 +304,16 @@ TEST_F(ComputeSupervisorTest, ReusesProcesses) {
     EXPECT_EQ(process_of_next(), first);
 }
 
+TEST_F(ComputeSupervisorTest, LowersThePriorityOfALongComputation) {
+    const pid_t first = process_of_next();
+    const auto answer = ask({"yield", "10", "", "", ""});
+    ASSERT_TRUE(answer) << answer.error().message;
+    EXPECT_EQ(static_cast<pid_t>(answer->pixels), first);
+    EXPECT_TRUE(wait_for_end(first)) << "its priority cannot be raised again";
+    EXPECT_NE(process_of_next(), first);
+    EXPECT_EQ(supervisor_->counts().crashes, 0U);
+}
+
 TEST_F(ComputeSupervisorTest, FailsOnlyTheComputationThatCrashes) {
     std::stop_source stop;
     std::jthread other([&] {
@@ -324,6 +342,7 @@ TEST_F(ComputeSupervisorTest, RetriesAComputationWhoseProcessWasKilled) {
     EXPECT_EQ(supervisor_->counts().crashes, 1U);
     std::filesystem::remove_all(file);
     const auto twice = ask({"die again", "", "", "", ""});
+    EXPECT_EQ(twice.error().code, ErrorCode::Unavailable);
     EXPECT_EQ(twice.error().message, "the process that computed it was killed by signal 9 (Killed)");
     EXPECT_EQ(supervisor_->counts().crashes, 3U);
 }

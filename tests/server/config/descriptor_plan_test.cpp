@@ -34,8 +34,8 @@ TEST(DescriptorPlan, ReducesAllConnectionLimitsIfFewDescriptorsAreAllowed) {
         EXPECT_FALSE(plan->fits());
         EXPECT_GE(plan->capacity.connections, 16u);
         EXPECT_GE(plan->capacity.reserve, 8u);
-        EXPECT_LE(connections(plan->capacity) + 32 + 12, allowed);
-        EXPECT_GE(connections(plan->capacity) + 32 + 12 + 4, allowed) << "no descriptor may be left unused";
+        EXPECT_LE(connections(plan->capacity) + 32 + 20, allowed);
+        EXPECT_GE(connections(plan->capacity) + 32 + 20 + 4, allowed) << "no descriptor may be left unused";
         EXPECT_EQ(plan->capacity.per_address, config.capacity.per_address);
         EXPECT_NE(describe(*plan).find("ulimit -n) is " + std::to_string(allowed)), std::string::npos);
     }
@@ -44,9 +44,9 @@ TEST(DescriptorPlan, ReducesAllConnectionLimitsIfFewDescriptorsAreAllowed) {
 TEST(DescriptorPlan, RefusesALimitThatIsTooLow) {
     const auto plan = share_descriptors(config_of(2), 64);
     ASSERT_FALSE(plan);
-    EXPECT_EQ(plan.error().message, "the limit of open files (ulimit -n) is 64: at least 76 are needed");
-    EXPECT_TRUE(share_descriptors(config_of(2), 76));
-    EXPECT_FALSE(share_descriptors(config_of(2), 75));
+    EXPECT_EQ(plan.error().message, "the limit of open files (ulimit -n) is 64: at least 84 are needed");
+    EXPECT_TRUE(share_descriptors(config_of(2), 84));
+    EXPECT_FALSE(share_descriptors(config_of(2), 83));
     EXPECT_FALSE(share_descriptors(config_of(32), 128)) << "workers need descriptors, too";
 }
 
@@ -56,9 +56,9 @@ TEST(DescriptorPlan, NeedsOnlyTheConfiguredConnections) {
     config.capacity.reserve = 2;
     config.capacity.streams = 0;
     config.capacity.refused = 2;
-    EXPECT_EQ(wanted_descriptors(config), 52u);
-    EXPECT_TRUE(share_descriptors(config, 52)->fits());
-    EXPECT_FALSE(share_descriptors(config, 51));
+    EXPECT_EQ(wanted_descriptors(config), 60u);
+    EXPECT_TRUE(share_descriptors(config, 60)->fits());
+    EXPECT_FALSE(share_descriptors(config, 59));
 }
 
 }  // namespace

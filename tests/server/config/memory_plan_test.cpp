@@ -39,7 +39,7 @@ TEST(MemoryPlan, AssignsTheRestToComputations) {
     Config config = config_of(2'000 * kMebibyte);
     const auto in_memory = memory_to_compute_with(config, 100 * kMebibyte);
     ASSERT_TRUE(in_memory);
-    EXPECT_EQ(in_memory->total, (2'000 - 100 - 160 - 4 * 4 - 256 - 64 - 100) * kMebibyte);
+    EXPECT_EQ(in_memory->total, (2'000 - 100 - 160 - 6 * 4 - 256 - 64 - 100) * kMebibyte);
     EXPECT_EQ(in_memory->jobs, in_memory->total / 4 * 3);
     EXPECT_EQ(in_memory->requests, in_memory->total / 4);
     config.data_dir = "/jobs";
@@ -50,7 +50,7 @@ TEST(MemoryPlan, AssignsTheRestToComputations) {
 }
 
 TEST(MemoryPlan, ReportsHowMuchMemoryIsNeeded) {
-    const std::size_t taken = (100 + 160 + 4 * 4 + 256 + 64 + 100) * kMebibyte;
+    const std::size_t taken = (100 + 160 + 6 * 4 + 256 + 64 + 100) * kMebibyte;
     EXPECT_TRUE(memory_to_compute_with(config_of(taken + 192 * kMebibyte), 100 * kMebibyte));
     const auto refused = memory_to_compute_with(config_of(taken + 191 * kMebibyte), 100 * kMebibyte);
     ASSERT_FALSE(refused);

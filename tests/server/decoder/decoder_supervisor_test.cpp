@@ -207,6 +207,7 @@ public:
         return client_.read_surface(bytes, header, {});
     }
     std::uint64_t deaths() const { return client_.deaths(); }
+    std::chrono::microseconds processor_time() const { return client_.processor_time(); }
     std::uint64_t restarts() const { return supervisor_->restarts(); }
     bool is_ready() const { return supervisor_->is_ready(); }
     const Confinement& confinement() const { return supervisor_->confinement(); }
@@ -610,6 +611,57 @@ TEST(DecoderSupervisor, ReportsHowAHelperEnded) {
     EXPECT_EQ(told, "the decoder was killed by signal 9 (Killed), and is started again");
 }
 
+/// Counts the processes with the highest oom_score_adj, which the kernel kills first if memory runs out.
+std::ptrdiff_t volunteers(const std::vector<pid_t>& processes) {
+    return std::ranges::count_if(processes, [](pid_t process) {
+        int score = 0;
+        return std::ifstream("/proc/" + std::to_string(process) + "/oom_score_adj") >> score && score == 1000;
+    });
+}
+
+/// Waits for a decoding child other than `previous`, and sends a signal to it.
+/// @returns  the child
+pid_t end_decoding(pid_t helper, int signal, pid_t previous = 0) {
+    pid_t decoding = 0;
+    EXPECT_TRUE(test::wait_until("a child that decodes", [&] {
+        const auto children = children_of(helper);
+        const auto found =
+            std::ranges::find_if(children, [&](pid_t child) { return child != previous && volunteers({child}) == 1; });
+        if (found != children.end()) decoding = *found;
+        return decoding != 0;
+    }));
+    kill(decoding, signal);
+    return decoding;
+}
+
+TEST(DecoderSupervisor, RepeatsAKilledDecodingOnce) {
+    const auto supervisor = make_box();
+    const std::jthread killing(
+        [process = helper()] { end_decoding(process, SIGKILL, end_decoding(process, SIGKILL)); });
+    const auto result = supervisor->decode("spin", kMaxPixels, {});
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().code, ErrorCode::Unavailable);
+    EXPECT_EQ(result.error().message, "the process that decoded the image was killed twice");
+    EXPECT_EQ(supervisor->deaths(), 2U);
+    EXPECT_TRUE(supervisor->decode("picture", kMaxPixels, {}));
+}
+
+TEST(DecoderSupervisor, DoesNotRepeatACrashedDecoding) {
+    const auto supervisor = make_box();
+    const std::jthread killing([process = helper()] { end_decoding(process, SIGSEGV); });
+    expect_unusable(supervisor->decode("spin", kMaxPixels, {}), "spin");
+    EXPECT_EQ(supervisor->deaths(), 1U);
+}
+
+TEST(DecoderSupervisor, CountsTheProcessorTimeOfDecoders) {
+    const auto supervisor = make_box({kLimits.memory, std::chrono::seconds(1)});
+    EXPECT_TRUE(supervisor->decode("picture", kMaxPixels, {}));
+    const auto little = supervisor->processor_time();
+    EXPECT_GT(little.count(), 0);
+    EXPECT_FALSE(supervisor->decode("spin", kMaxPixels, {}));
+    EXPECT_GE(supervisor->processor_time(), little + std::chrono::milliseconds(300));
+}
+
 TEST(DecoderSupervisor, EndsDecodersWithTheirHelper) {
     const auto supervisor = make_box();
     ASSERT_TRUE(supervisor);
@@ -858,6 +910,21 @@ TEST(DecoderSupervisor, ReportsWhyItDoesNotStart) {
     EXPECT_TRUE(children_of(getpid()).empty());
 }
 
+TEST(DecoderSupervisor, RestartsAHelperThatIsKilledWhileItStarts) {
+    std::atomic<int> starts = 0;
+    const auto killed_at_first = [&, launch =
+                                         forking({obey, obey_in_colour, {}})](UniqueFd orders) -> Result<ChildProgram> {
+        if (++starts > 2) return launch(std::move(orders));
+        const pid_t process = fork();
+        if (process == 0) std::raise(SIGKILL);
+        return ChildProgram(process);
+    };
+    BoxOfTests supervisor(killed_at_first, limits_of_tests);
+    EXPECT_TRUE(supervisor.decode("picture", kMaxPixels, {}));
+    EXPECT_EQ(starts, 3);
+    EXPECT_EQ(supervisor.restarts(), 2U);
+}
+
 TEST(DecoderSupervisor, QueuesOrdersUntilItIsReady) {
     std::array<int, 2> ends{};
     ASSERT_EQ(pipe2(ends.data(), O_CLOEXEC), 0);
@@ -905,14 +972,6 @@ TEST(DecoderSupervisor, IgnoresSignalsToItsGroup) {
     }
     EXPECT_TRUE(supervisor->decode("picture", kMaxPixels, {}));
     EXPECT_EQ(supervisor->restarts(), 0U);
-}
-
-/// Counts the processes with the highest oom_score_adj, which the kernel kills first if memory runs out.
-std::ptrdiff_t volunteers(const std::vector<pid_t>& processes) {
-    return std::ranges::count_if(processes, [](pid_t process) {
-        int score = 0;
-        return std::ifstream("/proc/" + std::to_string(process) + "/oom_score_adj") >> score && score == 1000;
-    });
 }
 
 TEST(DecoderSupervisor, MakesTheDecoderTheFirstVictimOfTheOomKiller) {

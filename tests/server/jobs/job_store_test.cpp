@@ -211,7 +211,7 @@ TEST_P(JobStoreTest, FindsNoUnknownJobs) {
     EXPECT_EQ(*store_->result("a"), std::nullopt);
     EXPECT_EQ(*store_->claim(kMemory), std::nullopt);
     EXPECT_EQ(store_->renew(job_named("a"))->owned, JobStore::Owned::Lost);
-    EXPECT_TRUE(store_->requeue(job_named("a")));
+    EXPECT_TRUE(store_->requeue(job_named("a"), false));
     EXPECT_EQ(*store_->finish(job_named("a"), "result"), std::nullopt);
     EXPECT_EQ(*store_->cancel("a"), std::nullopt);
     EXPECT_FALSE(*store_->remove("a"));
@@ -416,7 +416,7 @@ TEST_P(JobStoreTest, ReturnsJobsWithoutCountingTheStart) {
     Job job = claim();
     job.status = JobStatus::Running;
     ASSERT_TRUE(store_->renew(job));
-    ASSERT_TRUE(store_->requeue(job));
+    ASSERT_TRUE(store_->requeue(job, false));
     EXPECT_EQ(find("a").status, JobStatus::Queued);
     EXPECT_EQ(find("a").started, std::nullopt);
     EXPECT_EQ(find("a").starts, 0);
@@ -429,6 +429,13 @@ TEST_P(JobStoreTest, ReturnsJobsWithoutCountingTheStart) {
     EXPECT_EQ(**store_->result("a"), "good");
 }
 
+TEST_P(JobStoreTest, ReturnsJobsAndCountsTheStart) {
+    add(*store_, job_named("a"));
+    ASSERT_TRUE(store_->requeue(claim(), true));
+    EXPECT_EQ(find("a").status, JobStatus::Queued);
+    EXPECT_EQ(claim().starts, 2);
+}
+
 TEST_P(JobStoreTest, RequeuesJobsWhoseLeaseHasExpired) {
     open_with(kBrief);
     add(*store_, job_named("a"));
@@ -438,7 +445,7 @@ TEST_P(JobStoreTest, RequeuesJobsWhoseLeaseHasExpired) {
     EXPECT_EQ(job.starts, 2);
     EXPECT_GT(job.claim, lost.claim);
     EXPECT_EQ(store_->renew(lost)->owned, JobStore::Owned::Lost);
-    EXPECT_TRUE(store_->requeue(lost));
+    EXPECT_TRUE(store_->requeue(lost, false));
     EXPECT_EQ(*store_->finish(succeeded(lost, "late"), "late"), std::nullopt);
     EXPECT_EQ(find("a").claim, job.claim);
     EXPECT_TRUE(*store_->finish(succeeded(job, "good"), "good"))
@@ -477,6 +484,24 @@ TEST_P(JobStoreTest, AlternatesBetweenClients) {
     std::string order;
     for (int i = 0; i < 5; ++i) order += claim().id + ' ';
     EXPECT_EQ(order, "a1 b1 a2 b2 a3 ");
+}
+
+TEST_P(JobStoreTest, ChargesTheProcessorTimeOfJobs) {
+    for (const std::string id : {"a1", "a2", "b1", "b2", "b3"}) {
+        Job job = job_named(id);
+        job.client = id.substr(0, 1);
+        add(*store_, job);
+    }
+    Job first = succeeded(claim(), "");
+    EXPECT_EQ(first.id, "a1");
+    first.used = 60;
+    ASSERT_TRUE(*store_->finish(first, ""));
+    Job late = job_named("c1");
+    late.client = "a";
+    add(*store_, late);
+    std::string order;
+    for (int i = 0; i < 5; ++i) order += claim().id + ' ';
+    EXPECT_EQ(order, "b1 b2 b3 a2 c1 ");
 }
 
 TEST_P(JobStoreTest, RefusesJobsIfTheQueueIsFull) {

@@ -43,7 +43,7 @@ public:
         return store_->request(id);
     }
     Result<Renewal> renew(const Job& job) override { return store_->renew(job); }
-    Result<void> requeue(const Job& job) override { return store_->requeue(job); }
+    Result<void> requeue(const Job& job, bool counted) override { return store_->requeue(job, counted); }
     Result<bool> append_piece(const Job& job, const StoredPart& before, std::string_view piece) override {
         return store_->append_piece(job, before, piece);
     }
@@ -355,6 +355,32 @@ TEST_F(JobsTest, FailAfterThreeInterruptedStarts) {
     EXPECT_EQ(found.status, JobStatus::Failed);
     EXPECT_EQ(found.failure->status, 500);
     EXPECT_EQ(jobs_->counts().repeated, 1u);
+}
+
+/// Returns a computation that fails a number of times for lack of a decoder, and then succeeds.
+Compute failing(int times) {
+    return [left = std::make_shared<std::atomic<int>>(times), compute = test::compute_in_process()](
+               const auto& request, const auto& delivery, const auto& control, auto& timings) -> Result<api::Answer> {
+        if ((*left)-- > 0) return failure(ErrorCode::Unavailable, "no decoder");
+        return compute(request, delivery, control, timings);
+    };
+}
+
+TEST_F(JobsTest, RunAgainAfterATemporaryFault) {
+    compute_ = failing(2);
+    start();
+    EXPECT_EQ(wait_for_end(submit(kShort)).status, JobStatus::Succeeded);
+    EXPECT_EQ(jobs_->counts().repeated, 2u);
+}
+
+TEST_F(JobsTest, FailAfterThreeTemporaryFaults) {
+    compute_ = failing(3);
+    start();
+    const Job job = wait_for_end(submit(kShort));
+    EXPECT_EQ(job.status, JobStatus::Failed);
+    ASSERT_TRUE(job.failure);
+    EXPECT_EQ(job.failure->status, 503);
+    EXPECT_EQ(job.failure->error.message, "no decoder");
 }
 
 TEST_F(JobsTest, NeverWaitANegativeTime) {

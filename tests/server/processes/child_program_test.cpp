@@ -108,8 +108,10 @@ TEST(ChildProgram, InheritsOnlyItsSocket) {
 }
 
 TEST(ChildProgram, ReportsHowItEnded) {
-    EXPECT_EQ(spawn(make_sockets().theirs, {"two", "arguments"}).value().wait(), "exited with 2");
-    EXPECT_EQ(spawn(make_sockets().theirs, {"crash"}).value().wait(), "was killed by signal 9 (Killed)");
+    EXPECT_EQ(describe_end(spawn(make_sockets().theirs, {"two", "arguments"}).value().wait()), "exited with 2");
+    const auto crashed = spawn(make_sockets().theirs, {"crash"}).value().wait();
+    EXPECT_EQ(describe_end(crashed), "was killed by signal 9 (Killed)");
+    EXPECT_TRUE(is_killed_from_outside(crashed));
     EXPECT_FALSE(has_children());
 }
 
@@ -122,7 +124,7 @@ TEST(ChildProgram, NoticesThatTheSocketWasClosed) {
     sockets.ours.reset();
     const auto patience = std::chrono::milliseconds(test::kPatience);
     ASSERT_EQ(poll(&polled, 1, static_cast<int>(patience.count())), 1) << "waited for the end of the child";
-    EXPECT_EQ(child->wait(), "exited with 1");
+    EXPECT_EQ(describe_end(child->wait()), "exited with 1");
 }
 
 TEST(ChildProgram, IsKilledWithItsHandle) {
@@ -145,7 +147,7 @@ TEST(ChildProgram, IsSpawnedByManyThreads) {
                 auto child = spawn(std::move(sockets.theirs), {"wait"});
                 ASSERT_TRUE(child);
                 sockets.ours.reset();  // ends the child, because no other child has inherited the socket
-                EXPECT_EQ(child->wait(), "exited with 1");
+                EXPECT_EQ(describe_end(child->wait()), "exited with 1");
             }
         });
     }

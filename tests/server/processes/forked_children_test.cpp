@@ -24,7 +24,7 @@ namespace {
 
 constexpr int kPrepared = 7;
 
-void report_status(const UniqueFd& socket, int status) {
+void report_status(const UniqueFd& socket, int status, std::chrono::microseconds) {
     static_cast<void>(send_message(socket.get(), bytes_of(status)));
 }
 
@@ -35,7 +35,7 @@ void report_status(const UniqueFd& socket, int status) {
     const pid_t supervisor = getpid();
     ForkedChildren children(std::move(orders), report_status);
     UniqueFd prepared;
-    const auto prepare = [&] { report_status(prepared, kPrepared); };
+    const auto prepare = [&] { report_status(prepared, kPrepared, {}); };
     int order = 0;
     while (auto files = children.wait_for_order(writable_bytes_of(order), prepare)) {
         const pid_t process = children.fork();
@@ -115,7 +115,7 @@ TEST_F(ForkedChildrenTest, AnswersProbes) {
 TEST_F(ForkedChildrenTest, EndsWithItsServer) {
     orders_.reset();
     sockets_.theirs.reset();
-    EXPECT_EQ(supervisor_.wait(), "exited with 0");
+    EXPECT_EQ(describe_end(supervisor_.wait()), "exited with 0");
 }
 
 }  // namespace

@@ -220,7 +220,10 @@ std::string order_of(const std::vector<std::string>& clients) {
     EXPECT_TRUE(pool.submit("first", gate.job()));
     gate.wait_until_started();
     for (const std::string& client : clients) {
-        EXPECT_TRUE(pool.submit(client, [&order, client](const std::stop_token&) { order += client; }));
+        EXPECT_TRUE(pool.submit(client, [&order, client](WorkerPool::Turn& turn) {
+            order += client;
+            turn.used = 1;
+        }));
     }
     gate.open();
     pool.drain();
@@ -237,7 +240,10 @@ TEST(WorkerPool, GivesNoCreditToIdleClients) {
     Gate first;
     std::string order;
     const auto note = [&order](const std::string& client) {
-        return [&order, client](const std::stop_token&) { order += client; };
+        return [&order, client](WorkerPool::Turn& turn) {
+            order += client;
+            turn.used = 1;
+        };
     };
     WorkerPool pool(1, 10);
     for (int i = 0; i < 3; ++i) ASSERT_TRUE(pool.submit("a", note("a")));
@@ -276,7 +282,11 @@ TEST(WorkerPool, AlternatesBetweenClientsByCost) {
     ASSERT_TRUE(pool.submit("first", gate.job()));
     gate.wait_until_started();
     const auto submit = [&](const std::string& client, double seconds) {
-        EXPECT_TRUE(pool.submit(client, [&order, client](const std::stop_token&) { order += client; }, {0, seconds}));
+        const auto run = [&order, client, seconds](WorkerPool::Turn& turn) {
+            order += client;
+            turn.used = seconds;
+        };
+        EXPECT_TRUE(pool.submit(client, run, {0, seconds}));
     };
     for (int i = 0; i < 3; ++i) submit("a", 3);
     for (int i = 0; i < 7; ++i) submit("b", 1);
@@ -321,6 +331,101 @@ TEST(WorkerPool, KeepsOneThreadForShortJobs) {
     for (Gate* gate : {&shorter, &first, &second}) gate->open();
     pool.drain();
     EXPECT_TRUE(ran);
+}
+
+/// A short job that runs until the pool stops it or open() is called, and its owner.
+class Liar {
+public:
+    explicit Liar(bool is_displaceable = true) : is_displaceable_(is_displaceable) {}
+
+    void submit_to(WorkerPool& pool) {
+        const auto run = [this](const std::stop_token& stop) {
+            started_.set_value();
+            EXPECT_TRUE(test::wait_until("the end of a job", [&] { return stop.stop_requested() || open_; }));
+        };
+        ASSERT_TRUE(
+            pool.submit("liar", run, kShortJob, [this] { return is_displaceable_ && !displaced_.exchange(true); }));
+        ASSERT_TRUE(test::wait_for("the start of a job", started_.get_future()));
+    }
+    void open() { open_ = true; }
+    bool is_displaced() const { return displaced_; }
+
+private:
+    const bool is_displaceable_;
+    std::promise<void> started_;
+    std::atomic<bool> open_ = false;
+    std::atomic<bool> displaced_ = false;
+};
+
+void run_short_job(WorkerPool& pool) {
+    std::promise<void> done;
+    ASSERT_TRUE(pool.submit(
+        "polite", [&](const std::stop_token&) { done.set_value(); }, kShortJob));
+    ASSERT_TRUE(test::wait_for("a short job", done.get_future()));
+}
+
+TEST(WorkerPool, RunsShortJobsBesideJobsThatOverrun) {
+    Gate longer;
+    Liar liar;
+    WorkerPool pool(1, 2);
+    ASSERT_TRUE(pool.submit("a", longer.job(), kLongJob));
+    longer.wait_until_started();
+    liar.submit_to(pool);
+    for (int i = 0; i < 3; ++i) run_short_job(pool);
+    EXPECT_TRUE(test::wait_until("two running jobs", [&] { return pool.load().busy == 2; }));
+    EXPECT_FALSE(liar.is_displaced());
+    liar.open();
+    longer.open();
+    pool.drain();
+}
+
+TEST(WorkerPool, DisplacesTheEarliestOverrunBeyondTheLimit) {
+    Gate longer;
+    Liar first, second, third;
+    WorkerPool pool(1, 2);
+    ASSERT_TRUE(pool.submit("a", longer.job(), kLongJob));
+    longer.wait_until_started();
+    for (Liar* liar : {&first, &second, &third}) liar->submit_to(pool);
+    run_short_job(pool);
+    EXPECT_TRUE(test::wait_until("two displaced jobs", [&] { return first.is_displaced() && second.is_displaced(); }));
+    EXPECT_FALSE(third.is_displaced());
+    EXPECT_TRUE(test::wait_until("two running jobs", [&] { return pool.load().busy == 2; }));
+    third.open();
+    longer.open();
+    pool.drain();
+}
+
+TEST(WorkerPool, DisplacesALaterOverrunIfTheEarliestCannotBeDisplaced) {
+    Gate longer;
+    Liar first(false), second;
+    WorkerPool pool(1, 2);
+    ASSERT_TRUE(pool.submit("a", longer.job(), kLongJob));
+    longer.wait_until_started();
+    for (Liar* liar : {&first, &second}) liar->submit_to(pool);
+    run_short_job(pool);
+    EXPECT_TRUE(second.is_displaced());
+    first.open();
+    longer.open();
+    pool.drain();
+}
+
+TEST(WorkerPool, ChargesTheProcessorTimeOfJobs) {
+    Gate gate;
+    std::string order;
+    WorkerPool pool(1, 20);
+    ASSERT_TRUE(pool.submit("first", gate.job()));
+    gate.wait_until_started();
+    const auto submit = [&](const std::string& client, double used) {
+        EXPECT_TRUE(pool.submit(client, [&order, client, used](WorkerPool::Turn& turn) {
+            order += client;
+            turn.used = used;
+        }));
+    };
+    for (int i = 0; i < 2; ++i) submit("a", 4);
+    for (int i = 0; i < 6; ++i) submit("b", 1);
+    gate.open();
+    pool.drain();
+    EXPECT_EQ(order, "abbbbabb") << "jobs of both have the same estimate";
 }
 
 TEST(WorkerPool, StartsAJobOnlyWhenItsMemoryIsAvailable) {
