@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
@@ -14,7 +13,7 @@
 #include "api/input/option_reader.h"
 #include "api/input/point_reader.h"
 #include "api/json/json_document.h"
-#include "api/surface/surface_header.h"
+#include "api/surface/ply.h"
 #include "api/text/byte_order_mark.h"
 #include "api/text/text.h"
 #include "core/geometry/axes.h"
@@ -187,82 +186,22 @@ Result<std::vector<P>> read_json(std::string_view text, const Limits& limits) {
     return points;
 }
 
-/// A property of the vertices of a PLY: its offset in a vertex and its size, in bytes or, in an ASCII file, in words.
-struct PlyProperty {
-    std::size_t place = 0;
-    std::size_t size = 0;  ///< 0 if missing
-};
-
-/// Layout and data of the vertices of a PLY, which must be its first element.
-struct PlyVertices {
-    bool is_text = false;
-    std::size_t count = 0, size = 0;
-    std::array<PlyProperty, 3> axes{};
-    std::string_view data;
-};
-
-Result<PlyVertices> read_ply_header(std::string_view file) {
-    PlyVertices vertices;
-    for (std::size_t elements = 0; !file.empty();) {
-        std::string_view line = trim(take_until(file, "\n"), " \t\r");
-        const auto word = take_until(line, " "), kind = take_until(line, " ");
-        if (word == "end_header") {
-            vertices.data = file;
-            return vertices;
-        }
-        if (word == "format") {
-            vertices.is_text = kind == "ascii";
-            if (kind == "binary_big_endian") return wrong("the PLY must be little-endian or ASCII");
-        } else if (word == "element" && ++elements == 1) {
-            const auto count = parse_number<std::size_t>(line);
-            if (kind != "vertex" || !count) return wrong("the first element of the PLY must be its vertices");
-            vertices.count = *count;
-        } else if (word == "property" && elements == 1) {
-            const std::size_t size = size_of_ply_type(kind);
-            if (size == 0) return wrong("each property of the vertices of the PLY must be a number");
-            const PlyProperty property{vertices.size, vertices.is_text ? 1 : size};
-            vertices.size += property.size;
-            if (line.size() == 1 && line >= "x" && line <= "z") {
-                if (!kind.starts_with("float") && !kind.starts_with("double"))
-                    return wrong("the coordinates in the PLY must be of the type float or double");
-                vertices.axes[static_cast<std::size_t>(line[0] - 'x')] = property;
-            }
-        }
-    }
-    return wrong("the header of the PLY has no end");
-}
-
-/// Reads a coordinate of a vertex; NaN if it is not a number.
-double read_ply_number(std::string_view vertex, const PlyProperty& property, bool is_text) {
-    if (is_text) {
-        for (std::size_t word = 0; word < property.place; ++word) take_until(vertex, " ");
-        return parse_number<double>(take_until(vertex, " ")).value_or(NAN);
-    }
-    double wide = 0;
-    float narrow = 0;
-    std::memcpy(property.size == sizeof(wide) ? static_cast<void*>(&wide) : &narrow, vertex.data() + property.place,
-                property.size);
-    return property.size == sizeof(wide) ? wide : narrow;
-}
-
 bool is_ply(std::string_view file) {
-    return file.starts_with("ply\n") || file.starts_with("ply\r\n");
+    return file.starts_with("ply\n") || file.starts_with("ply\r");
 }
 
 /// Reads the vertices of a PLY.
 template <class P>
 Result<std::vector<P>> read_ply(std::string_view file, const Limits& limits) {
-    auto vertices = read_ply_header(file);
-    if (!vertices) return tl::unexpected(std::move(vertices.error()));
-    auto& [is_text, count, size, axes, data] = *vertices;
-    if (count > limits.max_sites) return too_many(limits);
-    if (!is_text && data.size() / std::max<std::size_t>(size, 1) < count)
-        return wrong("the PLY ends within its vertices");
-    std::vector<P> points(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        const auto vertex = is_text ? trim(take_until(data, "\n"), " \t\r") : data.substr(i * size, size);
+    const auto header = read_ply_header(file);
+    if (!header) return wrong(header.error().message);
+    if (header->count("vertex") > limits.max_sites) return too_many(limits);
+    const auto vertices = read_ply_points(file);
+    if (!vertices) return wrong(vertices.error().message);
+    std::vector<P> points(vertices->size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
         for (std::size_t axis = 0; axis < kAxes<P>; ++axis) {
-            along(points[i], axis) = axes[axis].size > 0 ? read_ply_number(vertex, axes[axis], is_text) : NAN;
+            along(points[i], axis) = along((*vertices)[i], axis);
             if (!std::isfinite(along(points[i], axis)))
                 return wrong("vertex " + std::to_string(i) + " of the PLY has no finite " + "xyz"[axis]);
         }

@@ -19,6 +19,7 @@
 #include "api/sample/ordering.h"
 #include "api/sample/voxel_input.h"
 #include "api/surface/obj.h"
+#include "api/text/numbers.h"
 #include "api/text/text.h"
 #include "core/order/progressive_order.h"
 #include "core/surface/surface_density.h"
@@ -67,15 +68,9 @@ constexpr auto kRules = with_shared_rules(std::array<OptionRule<Request>, 6>{{
 /// Returns the error of a mesh without colours.
 /// @param reason  why a picture could not be read; empty if all were read
 tl::unexpected<Error> no_colours(const SurfaceFile& file, std::string reason) {
-    std::string_view rest = file.header.format == SurfaceFormat::Obj ? file.bytes : std::string_view();
-    while (!rest.empty()) {
-        std::string_view line = trim(take_obj_line(rest));
-        const std::string_view word = line.substr(0, line.find_first_of(" \t"));
-        if (word != "mtllib") continue;
-        line.remove_prefix(word.size());
-        reason =
-            "its materials are in another file (" + excerpt(trim(line)) + "); send a GLB, which holds its textures";
-        break;
+    if (file.header.format == SurfaceFormat::Obj) {
+        if (const std::string_view name = materials_of_obj(file.bytes); !name.empty())
+            reason = "its materials are in another file (" + excerpt(name) + "); send a GLB, which holds its textures";
     }
     return failure(ErrorCode::Unusable, "the mesh has no colours" + (reason.empty() ? reason : ": " + reason),
                    "density");
@@ -113,6 +108,18 @@ void drop_invalid(TriangleSoup& soup, std::vector<SurfaceNote>& warnings) {
         soup.texture.clear();
         warnings.push_back({"the texture coordinates are ignored, because some are not finite"});
     }
+}
+
+/// Adds a warning if an STL cannot tell vertices apart, because it has 32-bit floats.
+void warn_of_rounding(const SurfaceRequest& request, const Surface& surface, std::vector<SurfaceNote>& warnings) {
+    if (request.format->file.name != std::string_view("stl")) return;
+    const Point3 corner = surface.to_input({0, 0, 0});
+    const double rounding = 0x1p-24 * std::max({std::abs(corner.x), std::abs(corner.y), std::abs(corner.z)});
+    constexpr double kMost = 1e-6;  // relative to the size of the mesh
+    if (rounding <= kMost * surface.scale()) return;
+    std::string detail = "STL has 32-bit floats, which round these coordinates by up to ";
+    append_shortest(detail, static_cast<float>(rounding));
+    warnings.push_back({detail + "; PLY, OBJ and GLB keep them"});
 }
 
 /// Puts points into the requested order. After a stop, the order is arbitrary.
@@ -166,9 +173,8 @@ Result<PlacedSurface> place_sample3(const SurfaceRequest& request, const Decode&
     timings.optimise = watch.lap();
     if (!dots) return tl::unexpected(std::move(dots.error()));
     if (auto whole = check_whole(dots->stopped, request.on_deadline); !whole) return tl::unexpected(whole.error());
-    if (read->ignored > 0)
-        made->warnings.push_back(
-            {"points and lines, which have no area, are ignored: " + std::to_string(read->ignored), read->ignored});
+    warn_of_rounding(request, made->surface, made->warnings);
+    for (std::string& warning : read->warnings) made->warnings.push_back({std::move(warning)});
     return PlacedSurface{
         std::move(read->soup), std::move(made->surface), std::move(made->repairs),         std::move(made->warnings),
         *std::move(dots),      request.run.seed,         timings.decode + timings.optimise};

@@ -132,12 +132,13 @@ Result<VolumeRequest> parse(Draft draft, std::span<const Input> inputs, std::str
 /// @param placed  receives the notes about the mesh
 Result<Solid> make_solid(const VolumeRequest& request, const Decode& decode, const std::stop_token& stop,
                          PlacedVolume& placed) {
-    const auto read = decode.surface(request.solid->bytes, request.solid->header, stop);
+    auto read = decode.surface(request.solid->bytes, request.solid->header, stop);
     if (!read) return tl::unexpected(read.error());
     auto made = Surface::create(read->soup, request.crease.value_or(Solid::kCrease), stop);
     if (!made) return tl::unexpected(made.error());
     placed.repairs = std::move(made->repairs);
     placed.warnings = std::move(made->warnings);
+    for (std::string& warning : read->warnings) placed.warnings.push_back({std::move(warning)});
     return Solid::create(std::move(made->surface), stop);
 }
 

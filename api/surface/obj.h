@@ -1,18 +1,27 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <string>
 #include <string_view>
+
+#include "api/surface/surface_builder.h"
+#include "core/result.h"
 
 namespace ccdt::api {
 
-/// Removes the next line from the text of an OBJ. Returns this line without its end. A line ends where it ends for the
-/// mesh library: at a line feed, a carriage return, both together, a form feed or a NUL.
-inline std::string_view take_obj_line(std::string_view& text) {
-    const std::string_view line = text.substr(0, text.find_first_of(std::string_view("\n\r\f\0", 4)));
-    text.remove_prefix(line.size());
-    const bool is_pair = text.starts_with("\r\n");
-    text.remove_prefix(text.empty() ? 0 : is_pair ? 2 : 1);
-    return line;
-}
+/// Whether the first statement of a text is one of OBJ.
+bool is_obj(std::string_view text);
+
+/// Returns the name of the file with the materials of an OBJ; empty if there is none.
+std::string_view materials_of_obj(std::string_view text);
+
+/// Reads an OBJ. Each corner of each face is a vertex of its own. A fourth coordinate of a vertex divides the others.
+/// If a vertex has six or seven numbers, the last ones are its colour, whose alpha is ignored. Points, lines, curves
+/// and unknown statements are ignored, with warnings.
+/// @param sink  SurfaceCounter or SurfaceBuilder
+/// Errors: Unusable, with the line.
+/// Source: Wavefront, Advanced Visualizer, appendix B1.
+template <class Sink>
+Result<void> read_obj(std::string_view text, Sink& sink);
 
 }  // namespace ccdt::api

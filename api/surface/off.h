@@ -1,20 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <string>
 #include <string_view>
 
+#include "api/surface/surface_builder.h"
 #include "core/result.h"
 
 namespace ccdt::api {
 
-/// Whether a text begins with a keyword of the mesh format OFF, such as OFF or COFF.
+/// Whether a text begins with a keyword of the mesh format OFF, such as OFF or COFF. A number may follow without a
+/// blank.
 bool is_off(std::string_view text);
 
-/// Rewrites an OFF as a text PLY, whose lines for vertices and faces are the same. The mesh library's reader of PLY has
-/// fewer faults than its reader of OFF, which omits polygons with more than 9 corners. Errors: Unusable if the keyword
-/// or the numbers of vertices and faces are missing. Vertices with four coordinates and binary files are not supported.
+/// Reads an OFF. If each vertex and each face begins a line, a face may have a colour, which is ignored, and the
+/// colours of vertices may lack their alpha. Otherwise, lines may end anywhere.
+/// @param sink  SurfaceCounter or SurfaceBuilder
+/// Errors: Unusable, with the line; also for vertices with four coordinates, and for binary files.
 /// Source: Geomview, OFF(5).
-Result<std::string> ply_of_off(std::string_view text);
+template <class Sink>
+Result<void> read_off(std::string_view text, Sink& sink);
 
 }  // namespace ccdt::api

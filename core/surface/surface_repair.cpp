@@ -9,6 +9,8 @@
 
 #include "core/geometry/morton.h"
 #include "core/mesh/triangle_links.h"
+#include "core/surface/party_walls.h"
+#include "core/surface/shell_nesting.h"
 
 namespace ccdt {
 
@@ -71,6 +73,14 @@ private:
         }
     };
 
+    /// Faces that are connected by edges.
+    struct Component {
+        std::uint32_t begin, end;  ///< range of component_faces_
+        bool is_closed = false;
+        bool is_turned = false;  ///< whether its faces must be turned over, compared with Face::turned
+        double volume = 0;       ///< six times the enclosed volume after turning, before turn_closed()
+    };
+
     bool stopping() const { return stop_.stop_requested(); }
     Face& face_of(std::uint32_t edge) { return result_.faces[edge / 4]; }
     std::uint32_t tail(std::uint32_t edge) const { return result_.faces[edge / 4].corners[edge % 4]; }
@@ -82,8 +92,9 @@ private:
     void take_triangles();
     void pair_edges();
     template <class Function>
-    void for_edges(std::uint32_t low, Function&& function);
+    void for_all_edges(Function&& function);
     void remove_repeated(std::span<const Side> sides);
+    void remove_walls();
     void remove_flat(std::span<const Side> sides);
     void pair(std::uint32_t low, std::span<const Side> sides);
     bool pair_by_angle(std::uint32_t low, std::uint32_t high);
@@ -91,9 +102,11 @@ private:
     void cut(std::uint32_t edge, Count& count);
 
     void orient();
-    void collect_component(std::uint32_t first);
-    void finish_component();
-    double volume() const;
+    Component collect_component(std::uint32_t first);
+    std::span<const std::uint32_t> faces_of(const Component& component) const;
+    double volume(const Component& component) const;
+    void turn_closed(std::vector<Component>& components) const;
+    void finish_component(const Component& component);
     void remove_flat_borders();
     std::uint32_t longest_side(const Face& face) const;
     void apply_turns();
@@ -114,9 +127,11 @@ private:
     std::vector<std::uint8_t> on_cut_;       ///< [positions] whether the vertex is an end of a cut edge
     std::vector<std::uint32_t> first_side_;  ///< [positions + 2] start of each vertex's sides
     std::vector<Side> sides_;
-    std::vector<Angle> group_;              ///< sides of the current edge
-    std::vector<std::uint32_t> component_;  ///< faces of the current component
-    Count without_area_, flat_, repeated_, turned_, touching_edges_, shared_edges_, one_sided_edges_, shared_vertices_;
+    std::vector<Angle> group_;  ///< sides of the current edge
+    std::vector<std::uint32_t> component_faces_;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> opposite_;  ///< equal faces with opposite orientations
+    Count without_area_, flat_, repeated_, walls_, turned_, touching_edges_, shared_edges_, one_sided_edges_,
+        shared_vertices_;
 };
 
 void Connector::remove(std::uint32_t face, Count& count) {
@@ -179,39 +194,68 @@ void Connector::pair_edges() {
     sides_.resize(first_side_.back());
     for_sides([this](std::uint32_t low, const Side& side) { sides_[first_side_[low + 1]++] = side; });
 
-    const auto for_vertices = [this](auto&& function) {
-        for (std::size_t v = 0; v < positions_.size(); ++v) {
-            if (v % kStopStride == 0 && stopping()) return;
-            function(static_cast<std::uint32_t>(v));
-        }
-    };
-    for_vertices([this](std::uint32_t v) {
+    for (std::size_t v = 0; v < positions_.size(); ++v)
         std::sort(sides_.begin() + first_side_[v], sides_.begin() + first_side_[v + 1]);
-        for_edges(v, [this](std::span<const Side> sides) { remove_repeated(sides); });
-    });
-    for_vertices(
-        [this](std::uint32_t v) { for_edges(v, [this](std::span<const Side> sides) { remove_flat(sides); }); });
-    for_vertices([this](std::uint32_t v) { for_edges(v, [this, v](std::span<const Side> sides) { pair(v, sides); }); });
+    for_all_edges([this](std::uint32_t, std::span<const Side> sides) { remove_repeated(sides); });
+    remove_walls();
+    for_all_edges([this](std::uint32_t, std::span<const Side> sides) { remove_flat(sides); });
+    for_all_edges([this](std::uint32_t low, std::span<const Side> sides) { pair(low, sides); });
     sides_ = std::vector<Side>();  // frees the memory
     first_side_ = std::vector<std::uint32_t>();
 }
 
-/// Calls a function with the sides of each edge whose lower vertex is `low`.
+/// Calls a function with the lower vertex and the sides of each edge.
 template <class Function>
-void Connector::for_edges(std::uint32_t low, Function&& function) {
-    const std::size_t end = first_side_[low + 1];
-    for (std::size_t begin = first_side_[low]; begin < end;) {
-        std::size_t last = begin + 1;
-        while (last < end && sides_[last].high == sides_[begin].high) ++last;
-        function(std::span(&sides_[begin], last - begin));
-        begin = last;
+void Connector::for_all_edges(Function&& function) {
+    for (std::uint32_t low = 0; low < positions_.size(); ++low) {
+        if (low % kStopStride == 0 && stopping()) return;
+        const std::size_t end = first_side_[low + 1];
+        for (std::size_t begin = first_side_[low]; begin < end;) {
+            std::size_t last = begin + 1;
+            while (last < end && sides_[last].high == sides_[begin].high) ++last;
+            function(low, std::span<const Side>(&sides_[begin], last - begin));
+            begin = last;
+        }
     }
 }
 
+/// Removes all but the first of equal triangles. Two triangles with opposite orientations are left to remove_walls().
 void Connector::remove_repeated(std::span<const Side> sides) {
-    for (std::size_t i = 1; i < sides.size(); ++i) {
-        if (sides[i].opposite == sides[i - 1].opposite) remove(sides[i].edge / 4, repeated_);
+    for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
+        while (end < sides.size() && sides[end].opposite == sides[begin].opposite) ++end;
+        const std::uint32_t first = sides[begin].edge, second = sides[end - 1].edge;
+        if (end - begin == 2 && tail(first) != tail(second)) {
+            if (first % 4 == 0) opposite_.emplace_back(first / 4, second / 4);
+            continue;
+        }
+        for (std::size_t i = begin + 1; i < end; ++i) remove(sides[i].edge / 4, repeated_);
     }
+}
+
+/// Removes walls between parts. Of other triangles with the same corners and opposite orientations, the first remains.
+void Connector::remove_walls() {
+    std::vector<CrowdedSide> crowded;
+    std::uint32_t edges = 0;
+    for_all_edges([&](std::uint32_t, std::span<const Side> sides) {
+        group_.clear();
+        for (const Side& side : sides) {
+            if (!is_removed(side.edge / 4)) group_.push_back({0, side.edge});
+        }
+        if (group_.size() == 2) join(group_[0].edge, group_[1].edge);
+        if (group_.size() <= 2) return;
+        for (const Angle& side : group_) crowded.push_back({edges, side.edge});
+        ++edges;
+    });
+    if (stopping()) return;
+    if (!crowded.empty()) {
+        std::vector<WallFace> faces;
+        for (const Face& face : result_.faces) faces.push_back({face.corners, face.twins});
+        for (const std::uint32_t face : party_walls(positions_, faces, crowded)) remove(face, walls_);
+    }
+    for (const auto& [first, second] : opposite_) {
+        if (!is_removed(first)) remove(second, repeated_);
+    }
+    for (Face& face : result_.faces) face.twins = {kNone, kNone, kNone};
 }
 
 void Connector::remove_flat(std::span<const Side> sides) {
@@ -277,21 +321,24 @@ void Connector::cut(std::uint32_t edge, Count& count) {
 
 void Connector::orient() {
     visited_.assign(result_.faces.size(), 0);
+    std::vector<Component> components;
     for (std::size_t f = 0; f < result_.faces.size(); ++f) {
         if (f % kStopStride == 0 && stopping()) return;
         const auto face = static_cast<std::uint32_t>(f);
-        if (visited_[f] || is_removed(face)) continue;
-        collect_component(face);
-        finish_component();
+        if (!visited_[f] && !is_removed(face)) components.push_back(collect_component(face));
     }
+    turn_closed(components);
+    for (const Component& component : components) finish_component(component);
 }
 
-/// Turns all faces that are connected to a face such that they have its orientation.
-void Connector::collect_component(std::uint32_t first) {
-    component_.assign(1, first);
+/// Turns all faces that are connected to a face such that they have its orientation. Then chooses the orientation that
+/// most of the faces were given.
+Connector::Component Connector::collect_component(std::uint32_t first) {
+    Component component{static_cast<std::uint32_t>(component_faces_.size()), 0};
+    component_faces_.push_back(first);
     visited_[first] = 1;
-    for (std::size_t i = 0; i < component_.size(); ++i) {
-        const std::uint32_t f = component_[i];
+    for (std::size_t i = component.begin; i < component_faces_.size(); ++i) {
+        const std::uint32_t f = component_faces_[i];
         for (std::uint32_t k = 0; k < 3; ++k) {
             const std::uint32_t edge = 4 * f + k;
             const std::uint32_t other = twin(edge);
@@ -301,46 +348,82 @@ void Connector::collect_component(std::uint32_t first) {
             if (!visited_[other / 4]) {
                 visited_[other / 4] = 1;
                 neighbour.turned = turned;
-                component_.push_back(other / 4);
+                component_faces_.push_back(other / 4);
             } else if (neighbour.turned != turned) {
                 on_cut_[tail(edge)] = on_cut_[result_.faces[f].corners[Links::next(k)]] = 1;
                 cut(edge, one_sided_edges_);
             }
         }
     }
+    component.end = static_cast<std::uint32_t>(component_faces_.size());
+    const auto faces = faces_of(component);
+    const auto turned = std::ranges::count_if(faces, [this](std::uint32_t f) { return result_.faces[f].turned; });
+    component.is_turned = 2 * static_cast<std::size_t>(turned) > faces.size();
+    component.is_closed = std::ranges::all_of(faces, [this](std::uint32_t f) {
+        return std::ranges::find(result_.faces[f].twins, kNone) == result_.faces[f].twins.end();
+    });
+    if (component.is_closed) component.volume = volume(component);
+    return component;
 }
 
-/// Chooses the orientation of a component, or removes it if it has no area.
-void Connector::finish_component() {
-    const auto& faces = result_.faces;
-    const auto count = [this](auto&& predicate) {
-        return static_cast<std::size_t>(std::count_if(component_.begin(), component_.end(), predicate));
-    };
-    if (count([&](std::uint32_t f) { return faces[f].flat; }) == component_.size()) {
-        for (const std::uint32_t f : component_) remove(f, flat_);
-        return;
+std::span<const std::uint32_t> Connector::faces_of(const Component& component) const {
+    return std::span(component_faces_).subspan(component.begin, component.end - component.begin);
+}
+
+/// Turns closed components that are inside out. A component inside another one may be a cavity, so it keeps its
+/// orientation; if the outermost one around it is turned, components alternate between bodies and cavities.
+void Connector::turn_closed(std::vector<Component>& components) const {
+    std::vector<std::uint32_t> closed;
+    for (std::uint32_t i = 0; i < components.size(); ++i) {
+        if (components[i].is_closed) closed.push_back(i);
     }
-    const bool is_closed =
-        count([&](std::uint32_t f) {
-            return std::find(faces[f].twins.begin(), faces[f].twins.end(), kNone) != faces[f].twins.end();
-        }) == 0;
-    const bool turn_all =
-        is_closed ? volume() < 0 : 2 * count([&](std::uint32_t f) { return faces[f].turned; }) > component_.size();
-    for (const std::uint32_t f : component_) {
+    const auto is_inside_out = [&](std::uint32_t i) { return components[i].volume < 0; };
+    if (std::ranges::none_of(closed, is_inside_out)) return;
+    std::vector<std::vector<std::uint32_t>> around;
+    if (closed.size() > 1) {
+        std::vector<ShellFace> faces;
+        std::vector<Point3> points;
+        for (const std::uint32_t i : closed) {
+            for (const std::uint32_t f : faces_of(components[i]))
+                faces.push_back({result_.faces[f].corners, static_cast<std::uint32_t>(points.size())});
+            const auto& [a, b, c] = faces.back().corners;
+            points.push_back(1.0 / 3 * (positions_[a] + positions_[b] + positions_[c]));
+        }
+        around = shells_around(positions_, faces, points);
+    }
+    around.resize(closed.size());
+    for (std::size_t i = 0; i < closed.size(); ++i) {
+        const auto outermost =
+            std::ranges::find_if(around[i], [&](std::uint32_t shell) { return around[shell].empty(); });
+        const bool is_free = around[i].empty() || (outermost != around[i].end() && is_inside_out(closed[*outermost]));
+        const bool is_cavity = around[i].size() % 2 == 1;
+        if (is_free && is_inside_out(closed[i]) != is_cavity) components[closed[i]].is_turned ^= true;
+    }
+}
+
+/// Applies the orientation of a component, or removes it if it has no area.
+void Connector::finish_component(const Component& component) {
+    const auto faces = faces_of(component);
+    const bool is_flat = std::ranges::all_of(faces, [this](std::uint32_t f) { return result_.faces[f].flat; });
+    for (const std::uint32_t f : faces) {
         Face& face = result_.faces[f];
-        face.turned = face.turned != turn_all;
-        if (face.turned) turned_.add(face.triangle);
+        face.turned = face.turned != component.is_turned;
+        if (is_flat)
+            remove(f, flat_);
+        else if (face.turned)
+            turned_.add(face.triangle);
     }
 }
 
-/// Returns six times the volume that the component encloses.
-double Connector::volume() const {
-    const Point3 origin = positions_[result_.faces[component_.front()].corners[0]];
+/// Returns six times the volume that a component encloses.
+double Connector::volume(const Component& component) const {
+    const auto faces = faces_of(component);
+    const Point3 origin = positions_[result_.faces[faces.front()].corners[0]];
     double sum = 0;
-    for (const std::uint32_t f : component_) {
+    for (const std::uint32_t f : faces) {
         const auto& [a, b, c] = result_.faces[f].corners;
         const double part = dot(positions_[a] - origin, cross(positions_[b] - origin, positions_[c] - origin));
-        sum += result_.faces[f].turned ? -part : part;
+        sum += result_.faces[f].turned != component.is_turned ? -part : part;
     }
     return sum;
 }
@@ -455,6 +538,8 @@ void Connector::note() {
         " triangles with coincident corners were removed");
     add(flat_, "1 triangle without area was removed", " triangles without area were removed");
     add(repeated_, "1 repeated triangle was removed", " repeated triangles were removed");
+    add(walls_, "1 triangle of a wall between two parts was removed",
+        " triangles of walls between two parts were removed");
     add(turned_, "1 triangle was turned over", " triangles were turned over");
     add(touching_edges_, "the surface was cut along 1 edge where it only touches itself",
         " edges where the surface only touches itself were cut");

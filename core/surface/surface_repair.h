@@ -43,12 +43,12 @@ struct ConnectedTriangles {
 /// than three positions are removed, so that their neighbours become adjacent. Flat triangles with three positions
 /// remain as faces, because their removal would leave cracks. They are removed only if more than two triangles share
 /// one of their edges, if their longest edge is on a border, or if all connected triangles are flat. Of repeated
-/// triangles, the first remains.
+/// triangles, the first remains. Walls between two parts, such as the common face of two boxes, are removed.
 /// If more than two triangles share an edge, the pairs that bound the inside remain connected. If the orientations
 /// contradict each other, none of these triangles remain connected, and the edge becomes a border. The surface is also
-/// cut along edges that prevent a consistent orientation. Then the connected triangles are turned such that a closed
-/// surface encloses a positive volume; on a surface with borders, the fewer triangles are turned. A vertex with several
-/// fans becomes several vertices.
+/// cut along edges that prevent a consistent orientation. Of connected triangles, the fewer are turned. Then a closed
+/// surface is turned as a whole if it encloses a negative volume, unless it is inside another closed surface, because
+/// it may bound a cavity. A vertex with several fans becomes several vertices.
 ///
 /// CGAL's orient_polygon_soup() is similar, but its time is quadratic in the number of triangles at a vertex, and it
 /// does not report all cuts.

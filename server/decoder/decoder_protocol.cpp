@@ -6,6 +6,7 @@
 #include <cstring>
 #include <new>
 #include <span>
+#include <string>
 #include <string_view>
 #include <tuple>
 #include <utility>
@@ -14,6 +15,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "api/text/text.h"
 #include "server/processes/messages.h"
 
 namespace ccdt::server {
@@ -29,14 +31,13 @@ constexpr std::size_t kHeadSize = 4096;
 struct ReplyHead {
     std::uint32_t is_product = 0;    ///< 1: picture, text or mesh; 0: error
     std::uint32_t code = 0;          ///< for an error
-    std::uint64_t message_size = 0;  ///< of an error, or of SurfaceContents::picture_error
+    std::uint64_t message_size = 0;  ///< of an error, or of the texts of SurfaceContents
     std::int32_t width = 0;          ///< for a picture, like `height` and `has_alpha`
     std::int32_t height = 0;
     std::uint32_t has_alpha = 0;
     std::uint64_t field_size = 0;
     std::uint64_t text_size = 0;           ///< for a text
     std::array<std::uint64_t, 7> sizes{};  ///< for a mesh: sizes of its arrays, as in arrays_of()
-    std::uint64_t ignored = 0;             ///< for a mesh
 };
 static_assert(sizeof(ReplyHead) + kLongestMessage + kLongestField <= kHeadSize);
 
@@ -259,10 +260,10 @@ std::optional<Result<std::string>> ReplyText::read() const {
 std::size_t ReplySurface::max_bytes(const api::SurfaceHeader& header) {
     using Soup = TriangleSoup;
     constexpr std::size_t kVertex = sizeof(Soup::vertices[0]) + sizeof(Soup::colours[0]) + sizeof(Soup::texture[0]);
-    constexpr std::size_t kTriangle =
-        sizeof(Soup::triangles[0]) + sizeof(Soup::material_of[0]) + sizeof(Soup::materials[0]);
+    constexpr std::size_t kTriangle = sizeof(Soup::triangles[0]) + sizeof(Soup::material_of[0]);
     return static_cast<std::size_t>(header.max_vertices) * kVertex +
            static_cast<std::size_t>(header.max_triangles) * kTriangle +
+           static_cast<std::size_t>(header.max_materials) * sizeof(Soup::materials[0]) +
            static_cast<std::size_t>(header.texels) * sizeof(Soup::texels[0]);
 }
 
@@ -282,10 +283,11 @@ bool ReplySurface::write(const Result<api::SurfaceContents>& result) {
         head.is_product = 1;
         head.sizes =
             std::apply([](const auto&... array) { return std::array{std::uint64_t{array.size()}...}; }, arrays);
-        head.ignored = result->ignored;
-        const auto reason = std::string_view(result->picture_error).substr(0, kLongestMessage);
-        head.message_size = reason.size();
-        std::memcpy(memory_.get() + sizeof(head), reason.data(), reason.size());
+        std::string texts = result->picture_error;
+        for (const std::string& warning : result->warnings) texts += '\n' + warning;
+        texts.resize(std::min(texts.size(), kLongestMessage));
+        head.message_size = texts.size();
+        std::memcpy(memory_.get() + sizeof(head), texts.data(), texts.size());
     } else {
         write_error(result.error(), head, memory_.get());
     }
@@ -298,10 +300,12 @@ std::optional<Result<api::SurfaceContents>> ReplySurface::read() const {
     std::memcpy(&head, memory_.get(), sizeof(head));
     if (head.is_product == 0) return read_error(head, memory_.get());
     api::SurfaceContents contents;
-    contents.ignored = static_cast<std::size_t>(head.ignored);
     if (head.message_size > kLongestMessage) return std::nullopt;
-    contents.picture_error.assign(reinterpret_cast<const char*>(memory_.get() + sizeof(head)),
-                                  static_cast<std::size_t>(head.message_size));
+    const std::string text(reinterpret_cast<const char*>(memory_.get() + sizeof(head)),
+                           static_cast<std::size_t>(head.message_size));
+    std::string_view warnings = text;
+    contents.picture_error = api::take_until(warnings, "\n");
+    while (!warnings.empty()) contents.warnings.emplace_back(api::take_until(warnings, "\n"));
     std::size_t used = 0;
     const auto take = [&](auto& array, std::uint64_t size) {
         if (size > (max_bytes_ - used) / sizeof(array[0])) return false;

@@ -23,21 +23,21 @@ namespace {
 using Json = nlohmann::json;
 
 /// Returns a decoder that yields the same triangles for any file.
-Decode decode_to(const TriangleSoup& soup, std::size_t ignored = 0) {
+Decode decode_to(const TriangleSoup& soup, const std::vector<std::string>& warnings = {}) {
     Decode decode;
     decode.surface = [=](std::string_view, const SurfaceHeader&, const std::stop_token&) {
-        return Result<SurfaceContents>(SurfaceContents{soup, ignored});
+        return Result<SurfaceContents>(SurfaceContents{soup, warnings});
     };
     return decode;
 }
 
 Result<Answer> answer(const TriangleSoup& soup, std::vector<TextOption> options, const Control& control = {},
-                      std::size_t ignored = 0) {
+                      const std::vector<std::string>& warnings = {}) {
     options.push_back({"sites", "50"});
     const auto request = parse_surface(SurfaceFile{}, options, "", {});
     if (!request) return tl::make_unexpected(request.error());
     Timings timings;
-    return run_sample3(*request, decode_to(soup, ignored), control, timings);
+    return run_sample3(*request, decode_to(soup, warnings), control, timings);
 }
 
 Json json_of(const Result<Answer>& result) {
@@ -100,7 +100,7 @@ TEST(SurfaceSample, IgnoresInvalidColoursAndTextureCoordinates) {
     TriangleSoup square = test::square_surface(1);
     square.colours.assign(square.vertices.size(), {0.5F, 2, 0});
     square.texture.assign(square.vertices.size(), {std::numeric_limits<float>::quiet_NaN(), 0});
-    const Json json = json_of(answer(square, {}, {}, 7));
+    const Json json = json_of(answer(square, {}, {}, {"7 lines"}));
     EXPECT_FALSE(json.contains("colors"));
     EXPECT_FALSE(json.contains("texture"));
     ASSERT_EQ(json.at("warnings").size(), 3U);

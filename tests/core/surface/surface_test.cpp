@@ -177,6 +177,107 @@ TEST(Surface, TurnsTheMinorityOfTheTrianglesOfAnOpenSurface) {
     EXPECT_EQ(repairs(made(soup), "turned"), 1U);
 }
 
+TEST(Surface, KeepsCavities) {
+    const auto turned = [](TriangleSoup soup) {
+        for (auto& [a, b, c] : soup.triangles) std::swap(a, b);
+        return soup;
+    };
+    const TriangleSoup outer = cube_surface({}, 4), inner = cube_surface({1, 1, 1}, 2),
+                       core = cube_surface({1.5, 1.5, 1.5});
+    const auto volume_in = [](const Surface::Made& made) {
+        expect_valid(made.surface);
+        return volume(made.surface) * std::pow(made.surface.scale(), 3);
+    };
+    const auto hollow = made(joined(outer, turned(inner)));
+    EXPECT_NEAR(volume_in(hollow), 64 - 8, 1e-9);
+    EXPECT_TRUE(hollow.repairs.empty());
+    const auto nested = made(joined(joined(turned(inner), outer), core));
+    EXPECT_NEAR(volume_in(nested), 64 - 8 + 1, 1e-9);
+    EXPECT_TRUE(nested.repairs.empty());
+    const auto bodies = made(joined(outer, inner));  // of an assembly
+    EXPECT_NEAR(volume_in(bodies), 64 + 8, 1e-9);
+    EXPECT_TRUE(bodies.repairs.empty());
+    const auto inside_out = made(joined(joined(turned(outer), inner), turned(core)));
+    EXPECT_NEAR(volume_in(inside_out), 64 - 8 + 1, 1e-9);
+    EXPECT_EQ(repairs(inside_out, "turned"), 36U);
+    // A cube beside another one is not a cavity.
+    const auto beside = made(joined(outer, turned(cube_surface({5, 1, 1}, 2))));
+    EXPECT_NEAR(volume_in(beside), 64 + 8, 1e-8);
+    EXPECT_EQ(repairs(beside, "turned"), 12U);
+    TriangleSoup damaged = joined(outer, turned(inner));
+    std::swap(damaged.triangles[14][0], damaged.triangles[14][1]);
+    const auto repaired = made(damaged);
+    EXPECT_NEAR(volume_in(repaired), 64 - 8, 1e-9);
+    EXPECT_EQ(repairs(repaired, "turned"), 1U);
+}
+
+TEST(Surface, KeepsManyCavities) {
+    TriangleSoup soup = cube_surface({-1, -1, -1}, 22);
+    for (int i = 0; i < 1000; ++i) {
+        TriangleSoup cavity = cube_surface({2.0 * (i % 10), 2.0 * (i / 10 % 10), 2.0 * (i / 100)});
+        for (auto& [a, b, c] : cavity.triangles) std::swap(a, b);
+        soup = joined(std::move(soup), cavity);
+    }
+    const auto foam = made(soup);
+    EXPECT_TRUE(foam.repairs.empty());
+    EXPECT_NEAR(volume(foam.surface) * std::pow(22, 3), std::pow(22, 3) - 1000, 1e-6);
+}
+
+TEST(Surface, RemovesWallsBetweenParts) {
+    // Two cubes with a common face, whose two sides are divided along different diagonals or along the same one.
+    TriangleSoup left = cube_surface(), right = cube_surface({1, 0, 0});
+    const auto is_on_wall = [](const TriangleSoup& soup, const auto& triangle) {
+        return std::ranges::all_of(triangle, [&](std::uint32_t v) { return soup.vertices[v].x == 1; });
+    };
+    TriangleSoup mirrored = left;
+    for (Point3& p : mirrored.vertices) p.x = 2 - p.x;
+    for (auto& [a, b, c] : mirrored.triangles) std::swap(a, b);
+    for (const TriangleSoup& other : {right, mirrored}) {
+        const TriangleSoup soup = joined(left, other);
+        const auto walls = std::ranges::count_if(soup.triangles, [&](const auto& t) { return is_on_wall(soup, t); });
+        const auto boxes = made(soup);
+        expect_valid(boxes.surface);
+        ASSERT_EQ(walls, 4);
+        ASSERT_EQ(boxes.repairs.size(), 1U);
+        EXPECT_EQ(boxes.repairs[0].detail, "4 triangles of walls between two parts were removed");
+        EXPECT_EQ(boxes.surface.component_count(), 1U);
+        EXPECT_EQ(border_edges(boxes.surface), 0U);
+        EXPECT_DOUBLE_EQ(area(boxes.surface), 10);
+        EXPECT_DOUBLE_EQ(volume(boxes.surface) * 8, 2);
+    }
+    // Eight cubes that fill a larger one.
+    TriangleSoup eight;
+    for (int i = 0; i < 8; ++i)
+        eight = joined(std::move(eight), cube_surface({i % 2 * 1.0, i / 2 % 2 * 1.0, i / 4 * 1.0}));
+    const auto cube = made(eight);
+    expect_valid(cube.surface);
+    EXPECT_DOUBLE_EQ(area(cube.surface), 24);
+    EXPECT_EQ(border_edges(cube.surface), 0U);
+}
+
+TEST(Surface, KeepsOneSideOfASheet) {
+    const auto two_sided = [](TriangleSoup soup) {
+        TriangleSoup back = soup;
+        for (auto& [a, b, c] : back.triangles) std::swap(a, b);
+        return joined(std::move(soup), back);
+    };
+    for (const int cells : {1, 2, 5}) {
+        const auto sheet = made(two_sided(square_surface(cells)));
+        expect_valid(sheet.surface);
+        EXPECT_DOUBLE_EQ(area(sheet.surface), 1) << cells;
+        EXPECT_EQ(sheet.surface.component_count(), 1U);
+        EXPECT_EQ(repairs(sheet, "repeated"), 2U * static_cast<unsigned>(cells * cells));
+    }
+    const auto sphere = made(two_sided(test::sphere_surface(2)));
+    EXPECT_EQ(border_edges(sphere.surface), 0U);
+    EXPECT_EQ(repairs(sphere, "repeated"), sphere.surface.face_count());
+    // A fin on a cube is not a wall.
+    TriangleSoup fin{.vertices = {{1, 0, 0}, {1, 0, 1}, {2, 0, 1}, {2, 0, 0}}, .triangles = {{0, 1, 2}, {0, 2, 3}}};
+    const auto body = made(joined(cube_surface(), two_sided(fin)));
+    EXPECT_DOUBLE_EQ(area(body.surface), 7);
+    EXPECT_EQ(repairs(body, "walls"), 0U);
+}
+
 TEST(Surface, SeparatesCubesThatShareAnEdgeOrAVertex) {
     const auto edge = made(joined(cube_surface(), cube_surface({1, 1, 0})));
     expect_valid(edge.surface);

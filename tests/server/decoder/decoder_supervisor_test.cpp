@@ -149,7 +149,7 @@ Result<api::SurfaceContents> obey_as_surface(std::string_view file, const api::S
     contents.soup.triangles = {{0, 1, 2}};
     if (file == "colours") contents.soup.colours = {{1, 0, 0}, {0, 1, 0}, {0, 0, 0.5F}};
     if (file == "colours") contents.soup.texture = {{0, 0}, {1, 0}, {0, 0.25F}};
-    if (file == "colours") contents.ignored = 7;
+    if (file == "colours") contents.warnings = {"first", "second"};
     if (file == "few colours") contents.soup.colours = {{1, 0, 0}};
     if (file == "few texture") contents.soup.texture = {{1, 0}};
     if (file == "index") contents.soup.triangles = {{0, 1, 3}};
@@ -736,7 +736,7 @@ TEST(DecoderSupervisor, ReadsShapefiles) {
     EXPECT_EQ(supervisor.deaths(), 1U);
 }
 
-constexpr api::SurfaceHeader kMeshes{api::SurfaceFormat::Off, 1, 4, 12, std::uint64_t{64} << 20};
+constexpr api::SurfaceHeader kMeshes{api::SurfaceFormat::Off, 4, 12, 1, std::uint64_t{64} << 20};
 
 TEST(DecoderSupervisor, TransfersMeshes) {
     BoxOfTests supervisor(forking({obey, obey_in_colour, {}, {}, obey_as_surface}), limits_of_tests);
@@ -746,14 +746,14 @@ TEST(DecoderSupervisor, TransfersMeshes) {
     EXPECT_EQ(plain->soup.triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}}));
     EXPECT_TRUE(plain->soup.colours.empty());
     EXPECT_TRUE(plain->soup.texture.empty());
-    EXPECT_EQ(plain->ignored, 0U);
+    EXPECT_TRUE(plain->warnings.empty());
     const auto coloured = supervisor.read_surface("colours", kMeshes);
     ASSERT_TRUE(coloured) << coloured.error().message;
     EXPECT_EQ(coloured->soup.vertices, plain->soup.vertices);
     EXPECT_EQ(coloured->soup.triangles, plain->soup.triangles);
     EXPECT_EQ(coloured->soup.colours, (std::vector<std::array<float, 3>>{{1, 0, 0}, {0, 1, 0}, {0, 0, 0.5F}}));
     EXPECT_EQ(coloured->soup.texture, (std::vector<std::array<float, 2>>{{0, 0}, {1, 0}, {0, 0.25F}}));
-    EXPECT_EQ(coloured->ignored, 7U);
+    EXPECT_EQ(coloured->warnings, (std::vector<std::string>{"first", "second"}));
     const auto pictured = supervisor.read_surface("material", kMeshes);
     ASSERT_TRUE(pictured) << pictured.error().message;
     EXPECT_EQ(pictured->soup.materials.at(0).wrap[1], Wrap::Mirror);
@@ -831,8 +831,9 @@ TEST(DecoderSupervisor, ReadsOrRefusesTheModelsOfAssimp) {
     // Reasons for which files of the package may be refused.
     constexpr auto kReasons = std::to_array<std::string_view>(
         {"not recognised", "its data is in another file", "only version 2 is supported", "only glTF 2 is supported",
-         "it has no triangles", "announces at least", "does not begin with OFF and the numbers", "Invalid face index",
-         "TEXCOORD_1", "is in another file", "not valid JSON", "faces are damaged"});
+         "it has no triangles", "is incomplete, because the file ends", "do not follow the keyword",
+         "it ends before face", "refers to no vertex", "is not finite", "is not a number", "a list of invalid size",
+         "TEXCOORD_1", "is in another file", "not valid JSON"});
     std::size_t read = 0;
     for (const auto& path : mesh_files(folder)) {
         const std::string reason = describe_reading(supervisor, bytes_at(path), 1'000'000);
