@@ -81,7 +81,8 @@ public:
           transport_(volume_transport(domain.box(), domain.volume(), inside, spacing_, options.sites + fixed.size(),
                                       schedule_.waves > 0, executor_, control.stop)),
           relaxation_(domain, density, spacing_, executor_),
-          sites_(draw_start(domain, density, inside, options.sites, fixed, options.seed, control.stop)) {}
+          tiers_(density, domain.periodic, static_cast<double>(points_in_box(domain, options.sites + fixed.size()))),
+          sites_(draw_start(domain, density, inside, tiers_, options.sites, fixed, options.seed, control.stop)) {}
 
     void execute() {
         report();
@@ -150,16 +151,37 @@ private:
         return power;
     }
 
-    /// Moves sites. Reverts the moves that end where the density is 0.
+    /// Moves sites. Shortens the moves that end where the density is 0 or across a step of the density.
     template <class Move>
     void within_density(Move&& move) {
-        if (!density_.has_gaps()) return move();
+        constexpr int kHalvings = 3;
+        if (!density_.has_gaps() && tiers_.count() == 1) return move();
         const std::vector<Point3> before = sites_;
         move();
         for (std::size_t i = 0; i < free_; ++i) {
-            const Point3 p = sites_[i], sides = domain_.sides;
-            if (!density_.is_positive({p.x / sides.x, p.y / sides.y, p.z / sides.z})) sites_[i] = before[i];
+            const std::size_t tier = tiers_.at(in_box(before[i]));
+            const auto is_allowed = [&](Point3 p) {
+                return density_.is_positive(in_box(p)) && tiers_.at(in_box(p)) == tier;
+            };
+            Point3 way = sites_[i] - before[i];
+            if (domain_.periodic) way = shortest(way);
+            for (int halving = 0; !is_allowed(sites_[i]); ++halving) {
+                way = 0.5 * way;
+                sites_[i] = halving < kHalvings ? domain_.moved(before[i], before[i] + way) : before[i];
+                if (halving == kHalvings) break;
+            }
         }
+    }
+    /// Returns a place relative to the sides of the bounding box.
+    Point3 in_box(Point3 p) const {
+        return by_axis<Point3>([&](std::size_t axis) { return along(p, axis) / along(domain_.sides, axis); });
+    }
+    /// Returns the shortest of the vectors that lead to the periodic copies of a point.
+    Point3 shortest(Point3 way) const {
+        return by_axis<Point3>([&](std::size_t axis) {
+            const double side = along(domain_.sides, axis);
+            return along(way, axis) - side * std::round(along(way, axis) / side);
+        });
     }
 
     void round(double reach, double share) {
@@ -191,6 +213,7 @@ private:
     Schedule schedule_;
     OctaveTransport<Point3> transport_;
     BlockRelaxation<Domain> relaxation_;
+    VoxelTiers tiers_;
     std::vector<Point3> sites_;  ///< sites, then fixed points
     std::vector<double> trace_;
     int done_ = 0;  ///< number of completed steps

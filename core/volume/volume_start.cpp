@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "core/random.h"
 #include "core/volume/box_domain3.h"
@@ -10,12 +11,64 @@
 
 namespace ccdt {
 
+namespace {
+
+/// Draws sites in cells. Carries the difference between the share of a cell's mass in each tier and the sites drawn
+/// there from site to site, so that each tier gets its number of sites.
+template <class Domain>
+class SiteDraw {
+public:
+    SiteDraw(const Domain& domain, const VoxelDensity& density, const VoxelDensity& inside, const VoxelTiers& tiers,
+             std::uint64_t seed)
+        : domain_(domain), density_(density), inside_(inside), tiers_(tiers), seed_(seed), missing_(tiers.count()) {}
+
+    /// Returns a place for a site, which is outside the domain or the density if none is found.
+    /// @param box  relative to the sides of the domain
+    Point3 operator()(const Box3& box, std::size_t site) {
+        constexpr int kAttempts = 32;  // a site of a thin part of a solid is hard to find at random
+        const Point3 sides = domain_.sides;
+        Random random(seed_, site);
+        std::vector<std::optional<Point3>> first(tiers_.count());
+        std::vector<double> found(tiers_.count());
+        double all = 0;
+        Point3 place;
+        for (int attempt = 0; attempt < kAttempts; ++attempt) {
+            const double x = random.uniform(), y = random.uniform(), z = random.uniform();
+            const Point3 p = inside_.draw(box, {x, y, z});
+            place = {p.x * sides.x, p.y * sides.y, p.z * sides.z};
+            if (!domain_.contains(place) || !density_.is_positive(p)) continue;
+            const std::size_t tier = tiers_.at(p);
+            if (!first[tier]) first[tier] = place;
+            ++found[tier];
+            ++all;
+            if (tiers_.count() == 1) return place;
+        }
+        if (all == 0) return place;
+        std::size_t chosen = tiers_.count();
+        for (std::size_t tier = 0; tier < found.size(); ++tier) {
+            missing_[tier] += found[tier] / all;
+            if (first[tier] && (chosen == found.size() || missing_[tier] > missing_[chosen])) chosen = tier;
+        }
+        --missing_[chosen];
+        return *first[chosen];
+    }
+
+private:
+    const Domain& domain_;
+    const VoxelDensity& density_;
+    const VoxelDensity& inside_;
+    const VoxelTiers& tiers_;
+    std::uint64_t seed_;
+    std::vector<double> missing_;  ///< [tiers] sites that the tier should have had so far, minus those that it has
+};
+
+}  // namespace
+
 template <class Domain>
 std::vector<Point3> draw_start(const Domain& domain, const VoxelDensity& density, const VoxelDensity& inside,
-                               std::size_t sites, std::span<const Point3> fixed, std::uint64_t seed,
-                               const std::stop_token& stop) {
+                               const VoxelTiers& tiers, std::size_t sites, std::span<const Point3> fixed,
+                               std::uint64_t seed, const std::stop_token& stop) {
     constexpr std::size_t kMostPerCell = 4;
-    constexpr int kAttempts = 32;  // a site of a thin part of a solid is hard to find at random
     struct Cell {
         Box3 box;  ///< relative to the domain's sides
         std::size_t sites;
@@ -26,20 +79,14 @@ std::vector<Point3> draw_start(const Domain& domain, const VoxelDensity& density
     std::vector<Cell> cells{{{{0, 0, 0}, {1, 1, 1}}, sites, sorted}};
     std::vector<Point3> drawn;
     drawn.reserve(sites + fixed.size());
+    SiteDraw draw(domain, density, inside, tiers, seed);
     while (!cells.empty() && !stop.stop_requested()) {
         const Cell cell = cells.back();
         cells.pop_back();
         const std::size_t points = cell.sites + cell.fixed.size();
         if (points <= kMostPerCell || cell.sites == 0) {
             for (std::size_t i = 0; i < cell.sites; ++i) {
-                Random random(seed, drawn.size());
-                Point3 place;
-                for (int attempt = 0; attempt < kAttempts; ++attempt) {
-                    const double x = random.uniform(), y = random.uniform(), z = random.uniform();
-                    const Point3 p = inside.draw(cell.box, {x, y, z});
-                    place = {p.x * sides.x, p.y * sides.y, p.z * sides.z};
-                    if (domain.contains(place) && density.is_positive(p)) break;
-                }
+                const Point3 place = draw(cell.box, drawn.size());
                 drawn.push_back(domain.moved(drawn.empty() ? domain.interior() : drawn.back(), place));
             }
             continue;
@@ -68,9 +115,9 @@ std::vector<Point3> draw_start(const Domain& domain, const VoxelDensity& density
     return drawn;
 }
 
-template std::vector<Point3> draw_start(const BoxDomain3&, const VoxelDensity&, const VoxelDensity&, std::size_t,
-                                        std::span<const Point3>, std::uint64_t, const std::stop_token&);
-template std::vector<Point3> draw_start(const SolidDomain&, const VoxelDensity&, const VoxelDensity&, std::size_t,
-                                        std::span<const Point3>, std::uint64_t, const std::stop_token&);
+template std::vector<Point3> draw_start(const BoxDomain3&, const VoxelDensity&, const VoxelDensity&, const VoxelTiers&,
+                                        std::size_t, std::span<const Point3>, std::uint64_t, const std::stop_token&);
+template std::vector<Point3> draw_start(const SolidDomain&, const VoxelDensity&, const VoxelDensity&, const VoxelTiers&,
+                                        std::size_t, std::span<const Point3>, std::uint64_t, const std::stop_token&);
 
 }  // namespace ccdt

@@ -112,8 +112,7 @@ double VoxelDensity::at(Point3 p) const {
 }
 
 bool VoxelDensity::is_positive(Point3 p) const {
-    if (!has_gaps()) return true;
-    return positive_[(voxel(p.z, 2) * voxels_[1] + voxel(p.y, 1)) * voxels_[0] + voxel(p.x, 0)];
+    return !has_gaps() || positive_[voxel_at(p)];
 }
 
 double VoxelDensity::cut(const Box3& box, std::size_t axis, double share) const {

@@ -63,6 +63,12 @@ public:
     double contrast() const { return contrast_; }
     /// Returns the largest density, relative to the mean density.
     double largest() const { return largest_; }
+    /// Numbers of voxels along x, y and z; all 1 if the density is uniform.
+    const std::array<std::size_t, 3>& voxels() const { return voxels_; }
+    /// Returns the number of the voxel that contains a point, counted along x, then y, then z.
+    std::size_t voxel_at(Point3 p) const {
+        return (voxel(p.z, 2) * voxels_[1] + voxel(p.y, 1)) * voxels_[0] + voxel(p.x, 0);
+    }
     double voxel_count() const { return static_cast<double>(voxels_[0] * voxels_[1] * voxels_[2]); }
 
 private:

@@ -104,6 +104,34 @@ TEST(DistributeInVolume, KeepsPointsOfATorusApartAndEven) {
     }
 }
 
+TEST(DistributeInVolume, PutsTheirShareOfPointsOnBothSidesOfSteps) {
+    constexpr std::size_t kVoxels = 24;
+    const auto is_dense = [](std::size_t i) {
+        const auto block = [](std::size_t v) { return v % kVoxels / 6 % 2 == 0; };
+        return block(i) && block(i / kVoxels) && block(i / kVoxels / kVoxels);
+    };
+    for (const double low : {0.0, 1e-6, 0.1, 0.5}) {
+        std::vector<double> values;
+        double sparse = 0, all = 0;
+        for (std::size_t i = 0; i < kVoxels * kVoxels * kVoxels; ++i) {
+            values.push_back(is_dense(i) ? 1 : low);
+            all += values.back();
+            if (!is_dense(i)) sparse += low;
+        }
+        const VoxelDensity density = VoxelDensity::create({kVoxels, kVoxels, kVoxels}, values).value();
+        for (const BoxDomain3& domain : {kBox, kTorus}) {
+            for (const Quality quality : {Quality::Draft, Quality::Standard}) {
+                const VolumeDistribution result = distributed(domain, {.sites = 1500, .quality = quality}, density);
+                const auto found =
+                    std::ranges::count_if(result.points, [&](Point3 p) { return !is_dense(density.voxel_at(p)); });
+                const double exact = 1500 * sparse / all;
+                EXPECT_NEAR(static_cast<double>(found), exact, low == 0 ? 0 : std::max(2.0, 0.02 * exact)) << low;
+                EXPECT_GT(distances(domain, result.points).least, quality == Quality::Draft ? 0 : 0.4) << low;
+            }
+        }
+    }
+}
+
 TEST(DistributeInVolume, RemovesAllPowerOfLowFrequenciesForStealthy) {
     const VolumeDistribution result = distributed(kTorus, {.sites = 1000, .quality = Quality::Stealthy});
     EXPECT_LT(low_power(result.points), -100);
