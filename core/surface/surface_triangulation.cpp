@@ -186,18 +186,24 @@ void SurfaceTriangulation::locate(const SurfacePoint& point) {
 std::vector<std::uint32_t> SurfaceTriangulation::split_creases(const CreaseVertices& creases) {
     std::vector<std::uint32_t> face_of(links_.triangle_count());
     std::iota(face_of.begin(), face_of.end(), 0U);
-    // The last vertex on an edge comes first, so that the edge itself remains the part before the vertex.
+    // The last vertex on an edge comes first, so that the edge itself remains the part before the vertex. The edges of
+    // a face are split in the order 2, 1, 0. The first split of edge 2 gives edge 0 another number.
+    std::uint32_t renumbered = kNone, number = kNone;
     for (auto each = creases.added.rbegin(); each != creases.added.rend(); ++each) {
         const auto vertex = static_cast<std::uint32_t>(points_.size());
-        const std::uint32_t twin = links_.twin(each->edge);
+        const std::uint32_t edge = each->edge == renumbered ? number : each->edge, twin = links_.twin(edge);
         SurfacePoint point{each->edge / 4, {0, 0, 0}};
         point.weights[each->edge % 4] = 1 - each->share;
         point.weights[(each->edge % 4 + 1) % 3] = each->share;
         points_.push_back(point);
         locate(point);
         links_.add_vertices(1);
-        links_.split(vertex, each->edge);
-        face_of.push_back(face_of[each->edge / 4]);
+        const std::uint32_t after = links_.split(vertex, edge);
+        if (each->edge % 4 == 2 && renumbered != Links::next(each->edge)) {
+            renumbered = Links::next(each->edge);
+            number = after;
+        }
+        face_of.push_back(face_of[edge / 4]);
         if (twin != kNone) face_of.push_back(face_of[twin / 4]);
     }
     return face_of;

@@ -19,6 +19,7 @@ namespace {
 
 using test::cube_surface;
 using test::joined;
+using test::renumbered;
 using test::sphere_surface;
 using test::square_surface;
 using test::torus_surface;
@@ -185,6 +186,25 @@ TEST(DistributeOnSurface, KeepsCreases) {
     EXPECT_NEAR(area, 6, 1e-9);
     EXPECT_NEAR(volume, 1, 1e-9);
     EXPECT_EQ(euler_characteristic(*dots.mesh), 2);
+}
+
+TEST(DistributeOnSurface, DividesAllEdgesOfAFaceForEveryFirstCorner) {
+    const TriangleSoup triangle{.vertices = {{0, 0, 0}, {10, 0, 0}, {0, 8, 0}}, .triangles = {{0, 1, 2}}};
+    for (const int turns : {0, 1, 2}) {
+        for (const TriangleSoup& soup : {triangle, square_surface(1)}) {
+            const Surface surface = surface_of(renumbered(soup, turns));
+            const auto dots = distributed(surface, {.sites = 1000});
+            EXPECT_LT(dots.variation(), 0.1) << turns;
+            EXPECT_GT(spacing_of(surface, places(surface, dots)).least, 0.7) << turns;
+        }
+        const Surface cube = surface_of(renumbered(cube_surface(), turns), 0.5);
+        const auto dots = distributed(cube, {.sites = 2000, .keep_mesh = true});
+        EXPECT_LT(dots.variation(), 0.1) << turns;
+        EXPECT_EQ(euler_characteristic(*dots.mesh), 2) << turns;
+        std::vector<int> counts(12, 0);
+        for (const SurfacePoint& point : dots.points) ++counts[cube.triangle_of(point.face)];
+        for (const int count : counts) EXPECT_NEAR(count, 2000.0 / 12, 5) << turns;
+    }
 }
 
 TEST(DistributeOnSurface, FollowsADensity) {
