@@ -31,7 +31,9 @@ public:
 
     void push(const Push& push);
     void equalise(int passes) {
-        relaxation_.iterate(passes, stop_);
+        restore();
+        relaxation_.variation();  // sets the goals
+        relaxation_.pass(passes, stop_);
         flow_.reset();
     }
     void even_out();

@@ -95,11 +95,9 @@ double SiteRelaxation::variation() {
     return aims.reached.variation();
 }
 
-void SiteRelaxation::iterate(int passes, const std::stop_token& stop) {
-    mesh_.restore_delaunay(stop);
-    variation();  // sets the goals
+void SiteRelaxation::pass(int passes, const std::stop_token& stop) {
     const SiteOrder order(mesh_, [](std::uint32_t) { return true; });
-    for (int pass = 0; pass < passes && !stop.stop_requested(); ++pass)
+    for (int i = 0; i < passes && !stop.stop_requested(); ++i)
         order.for_sites(stop, [&](std::uint32_t site) { move(site); });
 }
 

@@ -148,6 +148,7 @@ SurfaceTriangulation::SurfaceTriangulation(const Surface& surface, std::vector<S
     remove_corners(creases, stop);
     if (stop.stop_requested()) return;
     renumber();
+    restore_delaunay(stop);
 }
 
 /// Makes every face a triangle. The vertices of the surface follow after the sites.

@@ -99,6 +99,24 @@ TEST(DistributeOnSurface, SpreadsSitesEvenlyOnASphere) {
     }
 }
 
+TEST(DistributeOnSurface, ReturnsADelaunayMeshAfterEveryNumberOfIterations) {
+    const Surface surface = surface_of(sphere_surface(3));
+    for (const int iterations : {0, 1, 5}) {
+        const auto dots = distributed(
+            surface, {.sites = 2000, .iterations = iterations, .quality = Quality::Draft, .keep_mesh = true});
+        std::map<std::pair<std::uint32_t, std::uint32_t>, double> angles;  // sums of the angles opposite to the edges
+        for (const auto& t : dots.mesh->triangles) {
+            for (std::size_t i = 0; i < 3; ++i) {
+                const std::uint32_t a = t[i], b = t[(i + 1) % 3];
+                const Point3 apex = dots.mesh->vertices[t[(i + 2) % 3]];
+                const Point3 to_a = dots.mesh->vertices[a] - apex, to_b = dots.mesh->vertices[b] - apex;
+                angles[std::minmax(a, b)] += std::atan2(length(cross(to_a, to_b)), dot(to_a, to_b));
+            }
+        }
+        for (const auto& [edge, sum] : angles) EXPECT_LE(sum, std::numbers::pi + 1e-6) << iterations;
+    }
+}
+
 TEST(DistributeOnSurface, KeepsTheTopologyOfATorus) {
     const Surface surface = surface_of(torus_surface(2, 0.7, 60, 30));
     for (const std::size_t sites : {200, 1500, 6000}) {
