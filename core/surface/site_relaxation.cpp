@@ -40,10 +40,9 @@ struct SiteRelaxation::Ring {
 
     /// @returns  false if the neighbours do not determine a plane, or are too many
     bool gather(const SurfaceTriangulation& mesh, std::uint32_t site) {
-        const Point3 centre = mesh.point(site);
         mesh.for_edges(site, [&](std::uint32_t h) {
             if (count < kMostNeighbours) {
-                const Point3 p = mesh.point(mesh.target(h)) - centre;
+                const Point3 p = mesh.toward(site, mesh.target(h));
                 places[0][count] = p.x, places[1][count] = p.y, places[2][count] = p.z;
                 triangles[count] = SurfaceTriangulation::triangle_of(h);
             }

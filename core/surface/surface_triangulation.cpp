@@ -175,10 +175,11 @@ void SurfaceTriangulation::copy_faces() {
     for (const SurfacePoint& point : points_) locate(point);
 }
 
-/// Appends the position of a point and the normal of the surface there.
+/// Appends the position of a point and the normals of the surface there.
 void SurfaceTriangulation::locate(const SurfacePoint& point) {
     places_.push_back(surface_->place(point));
     normals_.push_back(surface_->smooth_normal(point));
+    face_normals_.push_back(surface_->normal(point.face));
     moved_.push_back(1);
 }
 
@@ -375,11 +376,13 @@ void SurfaceTriangulation::renumber() {
         points_[count] = points_[v];
         places_[count] = places_[v];
         normals_[count] = normals_[v];
+        face_normals_[count] = face_normals_[v];
         number_of[v] = count++;
     }
     points_.resize(count);
     places_.resize(count);
     normals_.resize(count);
+    face_normals_.resize(count);
     moved_.assign(count, 1);
     links_.renumber(number_of, count);
 }
@@ -409,6 +412,7 @@ void SurfaceTriangulation::move(std::uint32_t vertex, Point3 by) {
         points_[vertex] = to;
         places_[vertex] = place;
         normals_[vertex] = up;
+        face_normals_[vertex] = surface_->normal(to.face);
         moved_[vertex] = 1;
         return;
     }
@@ -448,6 +452,7 @@ bool SurfaceTriangulation::relocate(std::uint32_t site, std::span<const std::uin
     points_[site] = point;
     places_[site] = surface_->place(point);
     normals_[site] = surface_->smooth_normal(point);
+    face_normals_[site] = surface_->normal(point.face);
     moved_[site] = 1;
     links_.divide(site, triangle);
     for_edges(site, [&](std::uint32_t h) { stack_.push_back(Links::next(h)); });
