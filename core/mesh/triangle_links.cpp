@@ -42,7 +42,7 @@ void TriangleLinks::divide(std::uint32_t vertex, std::uint32_t triangle) {
     }
 }
 
-void TriangleLinks::split(std::uint32_t vertex, std::uint32_t h) {
+std::uint32_t TriangleLinks::split(std::uint32_t vertex, std::uint32_t h) {
     // (a, b, c) becomes (a, v, c) and (v, b, c); beyond the edge, (b, a, d) becomes (b, v, d) and (v, a, d).
     const auto halve = [&](std::uint32_t e) {
         const std::uint32_t b = target(e), c = apex(e), after = next(e), t = triangle_of(e);
@@ -66,6 +66,7 @@ void TriangleLinks::split(std::uint32_t vertex, std::uint32_t h) {
         if (e == kNone) continue;
         for (const std::uint32_t each : {e, next(e), previous(e)}) keep_edge(each);
     }
+    return next(second);
 }
 
 void TriangleLinks::collapse(std::uint32_t h) {

@@ -28,8 +28,10 @@ public:
     void add_vertices(std::size_t count) { edge_of_.resize(edge_of_.size() + count, kNone); }
     /// Splits a triangle into three at a vertex.
     void divide(std::uint32_t vertex, std::uint32_t triangle);
-    /// Splits an edge into two at a vertex, and each triangle beside the edge into two.
-    void split(std::uint32_t vertex, std::uint32_t edge);
+    /// Splits an edge into two at a vertex, and each triangle beside the edge into two. The half-edge `edge` becomes
+    /// the part before the vertex.
+    /// @returns  the new number of next(edge), which now belongs to another triangle
+    std::uint32_t split(std::uint32_t vertex, std::uint32_t edge);
     /// Merges the origin of an edge with the target, and removes the triangles beside the edge. The two vertices must
     /// have one common neighbour for each of these triangles, and no other.
     void collapse(std::uint32_t edge);

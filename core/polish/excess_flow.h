@@ -31,11 +31,11 @@ public:
     bool solve(const std::stop_token& stop);
 
     /// Converts flows along edges to moves: each end of an edge moves by half the flow times the edge vector.
-    /// @param mesh      gives the positions of the sites
+    /// @param toward    returns the vector from one site to another
     /// @param spacings  [sites] 1 / sqrt(wanted density of sites)
     /// @param moves     out [sites], each at most 0.35 of the local spacing
-    template <class Mesh, class Place>
-    void moves(const Mesh& mesh, std::span<const double> spacings, std::span<Place> moves) const {
+    template <class Toward, class Place>
+    void moves(Toward&& toward, std::span<const double> spacings, std::span<Place> moves) const {
         constexpr double kMaxMove = 0.35;  // in spacings; 0.25 gives 1 dB more noise in fjords: core/README.md
         constexpr std::size_t kSites = 4096;
         for_ranges(executor_, potential_.size(), kSites, [&](std::size_t begin, std::size_t end) {
@@ -43,7 +43,7 @@ public:
                 Place move;
                 for (const auto& [to, conductance] : solver_.links(v)) {
                     const double flow = conductance * (potential_[to] - potential_[v]);
-                    move = move + (flow / 2) * (mesh.point(to) - mesh.point(v));
+                    move = move + (flow / 2) * toward(v, to);
                 }
                 moves[v] = capped(move, kMaxMove * spacings[v]);
             }

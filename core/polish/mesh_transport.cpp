@@ -89,7 +89,7 @@ bool MeshTransport::displacements(const Triangulation& mesh, const FirstRow& row
     if (stop.stop_requested()) return false;
     measure_(std::span<const Point>(mesh.points()).first(mesh.site_count()), flow_.errors());
     if (!flow_.solve(stop)) return false;
-    flow_.moves(mesh, spacings, moves);
+    flow_.moves([&](std::uint32_t v, std::uint32_t to) { return mesh.point(to) - mesh.point(v); }, spacings, moves);
     row.keep_off_vertices(mesh, spacings, kFirstRow, moves);
     row.keep_off_edges(mesh, spacings, kFirstRow, moves);
     return true;

@@ -48,7 +48,8 @@ public:
         result_.trace.push_back(relaxation.variation());
         report();
         while (result_.iterations < options_.iterations && !stopping()) {
-            relaxation.iterate(options_.passes, control_.stop);
+            relaxation.pass(options_.passes, control_.stop);
+            mesh_->restore_delaunay(control_.stop);
             if (stopping()) break;
             ++result_.iterations;
             result_.trace.push_back(relaxation.variation());

@@ -27,7 +27,8 @@ struct SurfaceOptions {
     std::vector<Point3> fixed = {};
 };
 
-/// A triangulation of the sites, in the coordinates of the soup.
+/// A triangulation of the sites, in the coordinates of the soup. Delaunay: see
+/// SurfaceTriangulation::restore_delaunay().
 struct SurfaceMesh {
     /// Sites, then fixed points that were not ignored, then vertices on borders and creases and vertices of the surface
     /// that could not be removed (see SurfaceTriangulation).

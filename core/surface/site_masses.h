@@ -40,10 +40,16 @@ private:
         std::uint32_t triangle = SurfaceTriangulation::kNone;  ///< kNone in a component without sites
     };
 
-    void find_first(const SurfaceTriangulation& mesh);
-    static std::array<double, 3> locate(const SurfaceTriangulation& mesh, Piece& piece);
+    struct Located {
+        std::array<double, 3> shares;  ///< of the corners of the triangle above a piece
+        bool is_lost;                  ///< whether the triangle may be a wrong one, beyond a sharp edge
+    };
+
+    static std::vector<std::uint32_t> first_triangles(const SurfaceTriangulation& mesh);
+    static Located locate(const SurfaceTriangulation& mesh, Piece& piece);
 
     std::vector<Piece> pieces_;
+    std::vector<std::uint32_t> first_;  ///< [faces] first_triangles() before the pieces were located
     bool is_located_ = false;
 };
 

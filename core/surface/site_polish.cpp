@@ -60,13 +60,22 @@ void SitePolish::measure_spacings() {
 }
 
 void SitePolish::push(const Push& push) {
+    // Where an edge is sharp but not very acute, sites on its two sides also keep apart in space.
+    constexpr double kStraightReach = 0.7, kLeastCosine = -0.5;
     measure_spacings();
-    const double half_reach = 0.5 * push.reach * hexagonal_spacing(1);
-    const auto moved_away = [&](std::uint32_t v, std::uint32_t other) {
-        const Point3 away = mesh_.point(v) - mesh_.point(other);
-        const double wanted = half_reach * (spacings_[v] + spacings_[other]), distance = length(away);
+    const auto pushed = [&](std::uint32_t v, std::uint32_t other, Point3 toward, double reach) {
+        const double wanted = 0.5 * reach * hexagonal_spacing(1) * (spacings_[v] + spacings_[other]);
+        const double distance = length(toward);
         if (distance >= wanted || !(distance > 0)) return Point3{};
-        return push.push * (wanted - distance) / distance * away;
+        return -push.push * (wanted - distance) / distance * toward;
+    };
+    const auto moved_away = [&](std::uint32_t v, std::uint32_t other) {
+        const Point3 straight = mesh_.point(other) - mesh_.point(v), toward = mesh_.toward(v, other);
+        const Point3 move = pushed(v, other, toward, push.reach);
+        if (move != Point3{} || toward == straight ||
+            dot(mesh_.face_normal(v), mesh_.face_normal(other)) < kLeastCosine)
+            return move;
+        return pushed(v, other, straight, std::min(push.reach, kStraightReach));
     };
     for_ranges(mesh_.executor(), moves_.size(), kSites, [&](std::size_t begin, std::size_t end) {
         for (auto v = static_cast<std::uint32_t>(begin); v < end; ++v) {
@@ -109,7 +118,8 @@ void SitePolish::even_out() {
     for (std::size_t v = mesh_.free_count(); v < mesh_.site_count(); ++v) errors[v] = 0;
     smooth(mesh_, errors);
     if (!flow_->solve(stop_)) return;
-    flow_->moves(mesh_, spacings_, std::span<Point3>(moves_));
+    flow_->moves([this](std::uint32_t v, std::uint32_t to) { return mesh_.toward(v, to); }, spacings_,
+                 std::span<Point3>(moves_));
     apply();
 }
 
@@ -138,7 +148,7 @@ bool SitePolish::is_any_nearer(double least) {
     std::vector<std::vector<NearPair>> found((sites + kSites - 1) / kSites);
     for_ranges(mesh_.executor(), sites, kSites, [&](std::size_t begin, std::size_t end) {
         for (auto v = static_cast<std::uint32_t>(begin); v < end && !stop_.stop_requested(); ++v) {
-            const Point3 normal = normal_at(v);
+            const Point3 normal = mesh_.face_normal(v);
             const double longest = reach * spacings_[v], limit = (1 + kRounding) * longest * longest;
             std::size_t pairs = 0;
             cells_->for_near(places[v], reach * spacings_[v], [&](Point3, std::uint32_t other) {
@@ -149,7 +159,7 @@ bool SitePolish::is_any_nearer(double least) {
                 // The site with the larger spacing, and so with the longer reach, lists the pair.
                 const bool lists = std::pair(spacings_[v], v) > std::pair(spacings_[other], other);
                 const auto [a, b] = std::minmax(v, other);
-                if (lists && mesh_.is_free(a) && dot(normal, normal_at(other)) > 0)
+                if (lists && mesh_.is_free(a) && !is_sharp(normal, mesh_.face_normal(other)))
                     found[begin / kSites].push_back({{a, b}, distance});
                 return ++pairs < kMostPairs;
             });
@@ -186,7 +196,8 @@ std::vector<std::uint32_t> SitePolish::wide_triangles(std::uint32_t site) const 
         const double spacing = spacings_[corners[0]];
         double least = spacing;
         cells_->for_near(middle, spacing, [&](Point3, std::uint32_t v) {
-            if (v != site && dot(normal_at(v), normal) > 0) least = std::min(least, length(mesh_.point(v) - middle));
+            if (v != site && dot(mesh_.face_normal(v), normal) > 0)
+                least = std::min(least, length(mesh_.point(v) - middle));
         });
         wide.emplace_back((kPerDistance * length(middle - mesh_.point(site)) - least) / spacing, t);
     }

@@ -31,7 +31,9 @@ public:
 
     void push(const Push& push);
     void equalise(int passes) {
-        relaxation_.iterate(passes, stop_);
+        restore();
+        relaxation_.variation();  // sets the goals
+        relaxation_.pass(passes, stop_);
         flow_.reset();
     }
     void even_out();
@@ -56,7 +58,6 @@ private:
         double distance;                     ///< in spacings
     };
 
-    Point3 normal_at(std::uint32_t vertex) const { return mesh_.surface().normal(mesh_.on_surface(vertex).face); }
     std::vector<std::uint32_t> wide_triangles(std::uint32_t site) const;
     void measure_spacings();
     void apply();

@@ -40,10 +40,9 @@ struct SiteRelaxation::Ring {
 
     /// @returns  false if the neighbours do not determine a plane, or are too many
     bool gather(const SurfaceTriangulation& mesh, std::uint32_t site) {
-        const Point3 centre = mesh.point(site);
         mesh.for_edges(site, [&](std::uint32_t h) {
             if (count < kMostNeighbours) {
-                const Point3 p = mesh.point(mesh.target(h)) - centre;
+                const Point3 p = mesh.toward(site, mesh.target(h));
                 places[0][count] = p.x, places[1][count] = p.y, places[2][count] = p.z;
                 triangles[count] = SurfaceTriangulation::triangle_of(h);
             }
@@ -95,11 +94,9 @@ double SiteRelaxation::variation() {
     return aims.reached.variation();
 }
 
-void SiteRelaxation::iterate(int passes, const std::stop_token& stop) {
-    mesh_.restore_delaunay(stop);
-    variation();  // sets the goals
+void SiteRelaxation::pass(int passes, const std::stop_token& stop) {
     const SiteOrder order(mesh_, [](std::uint32_t) { return true; });
-    for (int pass = 0; pass < passes && !stop.stop_requested(); ++pass)
+    for (int i = 0; i < passes && !stop.stop_requested(); ++i)
         order.for_sites(stop, [&](std::uint32_t site) { move(site); });
 }
 

@@ -23,13 +23,13 @@ public:
     /// @param capacity       integral of the density that belongs to each site
     SiteRelaxation(SurfaceTriangulation& mesh, const SurfaceDensity& density, double capacity);
 
-    /// Makes the mesh Delaunay, then moves every free site `passes` times. Sites are moved in parallel; the result does
-    /// not depend on the number of threads. O(sites * passes).
-    /// @param stop  polled in each pass
-    void iterate(int passes, const std::stop_token& stop);
-
     /// Sets the goals of all triangles. Returns the capacity variation of the current mesh. O(triangles).
     double variation();
+
+    /// Moves every free site `passes` times. The goals must have been set since edges last changed. Sites are moved in
+    /// parallel; the result does not depend on the number of threads. O(sites * passes).
+    /// @param stop  polled in each pass
+    void pass(int passes, const std::stop_token& stop);
 
 private:
     struct Ring;

@@ -148,6 +148,7 @@ SurfaceTriangulation::SurfaceTriangulation(const Surface& surface, std::vector<S
     remove_corners(creases, stop);
     if (stop.stop_requested()) return;
     renumber();
+    restore_delaunay(stop);
 }
 
 /// Makes every face a triangle. The vertices of the surface follow after the sites.
@@ -174,10 +175,11 @@ void SurfaceTriangulation::copy_faces() {
     for (const SurfacePoint& point : points_) locate(point);
 }
 
-/// Appends the position of a point and the normal of the surface there.
+/// Appends the position of a point and the normals of the surface there.
 void SurfaceTriangulation::locate(const SurfacePoint& point) {
     places_.push_back(surface_->place(point));
     normals_.push_back(surface_->smooth_normal(point));
+    face_normals_.push_back(surface_->normal(point.face));
     moved_.push_back(1);
 }
 
@@ -186,18 +188,24 @@ void SurfaceTriangulation::locate(const SurfacePoint& point) {
 std::vector<std::uint32_t> SurfaceTriangulation::split_creases(const CreaseVertices& creases) {
     std::vector<std::uint32_t> face_of(links_.triangle_count());
     std::iota(face_of.begin(), face_of.end(), 0U);
-    // The last vertex on an edge comes first, so that the edge itself remains the part before the vertex.
+    // The last vertex on an edge comes first, so that the edge itself remains the part before the vertex. The edges of
+    // a face are split in the order 2, 1, 0. The first split of edge 2 gives edge 0 another number.
+    std::uint32_t renumbered = kNone, number = kNone;
     for (auto each = creases.added.rbegin(); each != creases.added.rend(); ++each) {
         const auto vertex = static_cast<std::uint32_t>(points_.size());
-        const std::uint32_t twin = links_.twin(each->edge);
+        const std::uint32_t edge = each->edge == renumbered ? number : each->edge, twin = links_.twin(edge);
         SurfacePoint point{each->edge / 4, {0, 0, 0}};
         point.weights[each->edge % 4] = 1 - each->share;
         point.weights[(each->edge % 4 + 1) % 3] = each->share;
         points_.push_back(point);
         locate(point);
         links_.add_vertices(1);
-        links_.split(vertex, each->edge);
-        face_of.push_back(face_of[each->edge / 4]);
+        const std::uint32_t after = links_.split(vertex, edge);
+        if (each->edge % 4 == 2 && renumbered != Links::next(each->edge)) {
+            renumbered = Links::next(each->edge);
+            number = after;
+        }
+        face_of.push_back(face_of[edge / 4]);
         if (twin != kNone) face_of.push_back(face_of[twin / 4]);
     }
     return face_of;
@@ -368,11 +376,13 @@ void SurfaceTriangulation::renumber() {
         points_[count] = points_[v];
         places_[count] = places_[v];
         normals_[count] = normals_[v];
+        face_normals_[count] = face_normals_[v];
         number_of[v] = count++;
     }
     points_.resize(count);
     places_.resize(count);
     normals_.resize(count);
+    face_normals_.resize(count);
     moved_.assign(count, 1);
     links_.renumber(number_of, count);
 }
@@ -402,6 +412,7 @@ void SurfaceTriangulation::move(std::uint32_t vertex, Point3 by) {
         points_[vertex] = to;
         places_[vertex] = place;
         normals_[vertex] = up;
+        face_normals_[vertex] = surface_->normal(to.face);
         moved_[vertex] = 1;
         return;
     }
@@ -441,6 +452,7 @@ bool SurfaceTriangulation::relocate(std::uint32_t site, std::span<const std::uin
     points_[site] = point;
     places_[site] = surface_->place(point);
     normals_[site] = surface_->smooth_normal(point);
+    face_normals_[site] = surface_->normal(point.face);
     moved_[site] = 1;
     links_.divide(site, triangle);
     for_edges(site, [&](std::uint32_t h) { stack_.push_back(Links::next(h)); });

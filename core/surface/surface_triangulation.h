@@ -15,6 +15,7 @@
 #include "core/parallel/executor.h"
 #include "core/surface/crease_vertices.h"
 #include "core/surface/surface.h"
+#include "core/surface/unfolding.h"
 
 namespace ccdt {
 
@@ -64,6 +65,15 @@ public:
     }
 
     Point3 point(std::uint32_t vertex) const { return places_[vertex]; }
+    /// Normal of the face on which a vertex lies.
+    Point3 face_normal(std::uint32_t vertex) const { return face_normals_[vertex]; }
+    /// Returns the vector from one vertex to another; the unfolded vector if there is a sharp edge between two sites.
+    /// Other vertices lie on borders and creases, so straight lines to them stay on the surface.
+    Point3 toward(std::uint32_t from, std::uint32_t to) const {
+        const Point3 straight = places_[to] - places_[from];
+        if (!is_sharp(face_normals_[from], face_normals_[to]) || !is_site(from) || !is_site(to)) return straight;
+        return unfolded(straight, face_normals_[from], face_normals_[to]);
+    }
     const SurfacePoint& on_surface(std::uint32_t vertex) const { return points_[vertex]; }
 
     std::array<Point3, 3> places(std::uint32_t triangle) const {
@@ -83,7 +93,11 @@ public:
         const auto [a, b, c] = places(triangle);
         return cross(b - a, c - a);
     }
-    double doubled_area(std::uint32_t triangle) const { return length(doubled_normal(triangle)); }
+    /// Doubled area of the unfolded triangle.
+    double doubled_area(std::uint32_t triangle) const {
+        const auto& [a, b, c] = corners(triangle);
+        return length(cross(toward(a, b), toward(a, c)));
+    }
 
     /// Flips edges until all are Delaunay: the angles opposite to each edge, measured in space, add up to at most 180
     /// degrees. Does not flip creases, nor edges whose flip would fold the triangulation or join two vertices twice.
@@ -124,6 +138,7 @@ private:
     std::vector<SurfacePoint> points_;  ///< [vertices]
     std::vector<Point3> places_;        ///< [vertices]
     std::vector<Point3> normals_;       ///< [vertices] smooth normals of the surface
+    std::vector<Point3> face_normals_;  ///< [vertices] normals of the faces under the vertices
     std::vector<std::uint8_t> moved_;   ///< [vertices] whether triangles at it may be new since restore_delaunay()
     std::vector<std::uint32_t> stack_;  ///< edges that may not be Delaunay
 };

@@ -134,6 +134,64 @@ TriangleSoup sphere_surface(int levels) {
     return soup;
 }
 
+TriangleSoup bipyramid_surface(int sides, double height) {
+    TriangleSoup soup;
+    soup.vertices = {{0, 0, height}, {0, 0, -height}};
+    const auto count = static_cast<std::uint32_t>(sides);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const auto [cos, sin] = on_circle(static_cast<double>(i) / sides);
+        soup.vertices.push_back({cos, sin, 0});
+        const std::uint32_t a = 2 + i, b = 2 + (i + 1) % count;
+        soup.triangles.insert(soup.triangles.end(), {{0, a, b}, {1, b, a}});
+    }
+    return soup;
+}
+
+TriangleSoup tetrahedron_surface() {
+    return {.vertices = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}},
+            .triangles = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}}};
+}
+
+TriangleSoup divided(const TriangleSoup& soup, int count) {
+    TriangleSoup parts;
+    for (const auto& triangle : soup.triangles) {
+        // The sum over the corners in the order of their positions does not depend on the triangle.
+        auto corners = triangle;
+        std::ranges::sort(corners, {}, [&](std::uint32_t v) {
+            const Point3 p = soup.vertices[v];
+            return std::array{p.x, p.y, p.z};
+        });
+        const auto vertex = [&](int i, int j) {
+            const std::array<int, 3> weights{count - i - j, i, j};
+            Point3 sum;
+            for (const std::uint32_t v : corners) {
+                const auto k = static_cast<std::size_t>(std::ranges::find(triangle, v) - triangle.begin());
+                sum = sum + weights[k] * soup.vertices[v];
+            }
+            parts.vertices.push_back(1.0 / count * sum);
+            return static_cast<std::uint32_t>(parts.vertices.size() - 1);
+        };
+        for (int i = 0; i < count; ++i) {
+            for (int j = 0; i + j < count; ++j) {
+                parts.triangles.push_back({vertex(i, j), vertex(i + 1, j), vertex(i, j + 1)});
+                if (i + j + 1 == count) continue;
+                parts.triangles.push_back({vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1)});
+            }
+        }
+    }
+    return parts;
+}
+
+TriangleSoup renumbered(TriangleSoup soup, int turns) {
+    std::ranges::reverse(soup.vertices);
+    const auto last = static_cast<std::uint32_t>(soup.vertices.size() - 1);
+    for (auto& triangle : soup.triangles) {
+        std::ranges::rotate(triangle, triangle.begin() + turns);
+        for (std::uint32_t& v : triangle) v = last - v;
+    }
+    return soup;
+}
+
 TriangleSoup torus_surface(double major, double minor, int columns, int rows) {
     return grid_surface(columns, rows, [=](double u, double v) {
         const auto [cos_u, sin_u] = on_circle(u);

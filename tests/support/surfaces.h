@@ -24,6 +24,20 @@ TriangleSoup cube_surface(Point3 corner = {}, double side = 1);
 /// sphere.
 TriangleSoup sphere_surface(int levels);
 
+/// Returns two pyramids over a regular polygon of radius 1 around the z axis, oriented outwards.
+TriangleSoup bipyramid_surface(int sides, double height);
+
+/// Returns a regular tetrahedron, oriented outwards.
+TriangleSoup tetrahedron_surface();
+
+/// Returns the same surface with each triangle divided into count^2 congruent ones, which follow each other. Vertices
+/// that had the same position still do.
+TriangleSoup divided(const TriangleSoup& soup, int count);
+
+/// Returns the same triangles with their vertices in reverse order, and the corners of each triangle rotated by
+/// `turns`.
+TriangleSoup renumbered(TriangleSoup soup, int turns);
+
 /// Returns a torus around the z axis, oriented outwards.
 TriangleSoup torus_surface(double major, double minor, int columns, int rows);
 

@@ -92,8 +92,12 @@ TEST(TriangleLinks, KeepsTheTopologyOfAnOctahedron) {
     links.add_vertices(2);
     links.divide(6, 3);
     EXPECT_EQ(euler_characteristic(links), 2);
-    links.split(7, links.edge_of(5));
+    const std::uint32_t edge = links.edge_of(5), end = links.target(edge), apex = links.apex(edge);
+    const std::uint32_t after = links.split(7, edge);
     EXPECT_EQ(euler_characteristic(links), 2);
+    EXPECT_EQ(links.target(edge), 7U);
+    EXPECT_EQ(links.origin(after), end);
+    EXPECT_EQ(links.target(after), apex);
     EXPECT_TRUE(links.are_joined(7, 5));
     links.flip(links.edge_of(7));
     EXPECT_EQ(euler_characteristic(links), 2);

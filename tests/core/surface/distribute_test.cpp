@@ -7,7 +7,9 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <stop_token>
+#include <string>
 
 #include "core/analysis/spacing.h"
 #include "core/geometry/hexagonal_spacing.h"
@@ -17,10 +19,14 @@
 namespace ccdt {
 namespace {
 
+using test::bipyramid_surface;
 using test::cube_surface;
+using test::divided;
 using test::joined;
+using test::renumbered;
 using test::sphere_surface;
 using test::square_surface;
+using test::tetrahedron_surface;
 using test::torus_surface;
 
 Surface surface_of(const TriangleSoup& soup, std::optional<double> crease = {}) {
@@ -95,6 +101,83 @@ TEST(DistributeOnSurface, SpreadsSitesEvenlyOnASphere) {
         ASSERT_TRUE(dots.mesh);
         EXPECT_EQ(dots.mesh->vertices.size(), 2000U);
         EXPECT_EQ(euler_characteristic(*dots.mesh), 2);
+    }
+}
+
+/// Checks that every face of a soup, of which each is divided into `parts` faces of the surface, has its share of
+/// sites.
+void expect_shares(const TriangleSoup& soup, const Surface& surface, const SurfaceDistribution& dots,
+                   std::size_t parts) {
+    std::vector<double> areas, counts(soup.triangles.size(), 0);
+    for (const auto& [a, b, c] : soup.triangles) {
+        const auto& v = soup.vertices;
+        areas.push_back(length(cross(v[b] - v[a], v[c] - v[a])));
+    }
+    for (const SurfacePoint& point : dots.points) ++counts[surface.triangle_of(point.face) / parts];
+    const double all = std::accumulate(areas.begin(), areas.end(), 0.0);
+    for (std::size_t f = 0; f < areas.size(); ++f) {
+        const double share = areas[f] / all * static_cast<double>(dots.points.size());
+        EXPECT_NEAR(counts[f], share, std::max(8.0, 0.02 * share)) << "face " << f;
+    }
+}
+
+TEST(DistributeOnSurface, DependsNeitherOnNumbersNorOnTheSizeOfFaces) {
+    struct Case {
+        const char* name;
+        TriangleSoup soup;
+        std::optional<double> crease = {};
+    };
+    const Case cases[] = {
+        {"triangle", {.vertices = {{0, 0, 0}, {10, 0, 0}, {0, 8, 0}}, .triangles = {{0, 1, 2}}}},
+        {"square", square_surface(1)},
+        {"tetrahedron", tetrahedron_surface()},
+        {"tetrahedron with creases", tetrahedron_surface(), 0.5},
+        {"cube", cube_surface()},
+        {"cube with creases", cube_surface(), 0.5},
+        {"octahedron", bipyramid_surface(4, 1)},
+        {"icosahedron", sphere_surface(0)},
+        {"triangular bipyramid", bipyramid_surface(3, 1.2)},
+        {"flat bipyramid", bipyramid_surface(6, 0.4)},
+        {"prism", test::needle_prism(3)},
+    };
+    for (const auto& [name, soup, crease] : cases) {
+        for (const int turns : {0, 1, 2}) {
+            for (const int count : {1, 12}) {
+                SCOPED_TRACE(std::string(name) + ", turned " + std::to_string(turns) + ", divided by " +
+                             std::to_string(count));
+                const TriangleSoup turned = renumbered(soup, turns);
+                const Surface surface = surface_of(divided(turned, count), crease);
+                const auto dots = distributed(surface, {.sites = 5000, .seed = 2, .keep_mesh = true});
+                expect_shares(turned, surface, dots, static_cast<std::size_t>(count) * static_cast<std::size_t>(count));
+                EXPECT_LT(dots.variation(), 0.2);
+                std::vector<Point3> normals;
+                for (const SurfacePoint& point : dots.points) normals.push_back(surface.normal(point.face));
+                const double least = measure_spacing(places(surface, dots), normals, {}).min;
+                // Rounding decides about pairs on faces whose normals are exactly 90 degrees apart.
+                EXPECT_GT(least / hexagonal_spacing(5000 / surface.total_area()), crease ? 0 : 0.55);
+                if (surface.border_edges() == 0) {
+                    EXPECT_EQ(euler_characteristic(*dots.mesh), 2);
+                }
+            }
+        }
+    }
+}
+
+TEST(DistributeOnSurface, ReturnsADelaunayMeshAfterEveryNumberOfIterations) {
+    const Surface surface = surface_of(sphere_surface(3));
+    for (const int iterations : {0, 1, 5}) {
+        const auto dots = distributed(
+            surface, {.sites = 2000, .iterations = iterations, .quality = Quality::Draft, .keep_mesh = true});
+        std::map<std::pair<std::uint32_t, std::uint32_t>, double> angles;  // sums of the angles opposite to the edges
+        for (const auto& t : dots.mesh->triangles) {
+            for (std::size_t i = 0; i < 3; ++i) {
+                const std::uint32_t a = t[i], b = t[(i + 1) % 3];
+                const Point3 apex = dots.mesh->vertices[t[(i + 2) % 3]];
+                const Point3 to_a = dots.mesh->vertices[a] - apex, to_b = dots.mesh->vertices[b] - apex;
+                angles[std::minmax(a, b)] += std::atan2(length(cross(to_a, to_b)), dot(to_a, to_b));
+            }
+        }
+        for (const auto& [edge, sum] : angles) EXPECT_LE(sum, std::numbers::pi + 1e-6) << iterations;
     }
 }
 
@@ -185,6 +268,25 @@ TEST(DistributeOnSurface, KeepsCreases) {
     EXPECT_NEAR(area, 6, 1e-9);
     EXPECT_NEAR(volume, 1, 1e-9);
     EXPECT_EQ(euler_characteristic(*dots.mesh), 2);
+}
+
+TEST(DistributeOnSurface, DividesAllEdgesOfAFaceForEveryFirstCorner) {
+    const TriangleSoup triangle{.vertices = {{0, 0, 0}, {10, 0, 0}, {0, 8, 0}}, .triangles = {{0, 1, 2}}};
+    for (const int turns : {0, 1, 2}) {
+        for (const TriangleSoup& soup : {triangle, square_surface(1)}) {
+            const Surface surface = surface_of(renumbered(soup, turns));
+            const auto dots = distributed(surface, {.sites = 1000});
+            EXPECT_LT(dots.variation(), 0.1) << turns;
+            EXPECT_GT(spacing_of(surface, places(surface, dots)).least, 0.7) << turns;
+        }
+        const Surface cube = surface_of(renumbered(cube_surface(), turns), 0.5);
+        const auto dots = distributed(cube, {.sites = 2000, .keep_mesh = true});
+        EXPECT_LT(dots.variation(), 0.1) << turns;
+        EXPECT_EQ(euler_characteristic(*dots.mesh), 2) << turns;
+        std::vector<int> counts(12, 0);
+        for (const SurfacePoint& point : dots.points) ++counts[cube.triangle_of(point.face)];
+        for (const int count : counts) EXPECT_NEAR(count, 2000.0 / 12, 5) << turns;
+    }
 }
 
 TEST(DistributeOnSurface, FollowsADensity) {
