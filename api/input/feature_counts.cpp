@@ -11,6 +11,7 @@
 
 #include "api/text/numbers.h"
 #include "api/text/text.h"
+#include "core/geometry/apportion.h"
 #include "core/halftone/overprint.h"
 
 namespace ccdt::api {
@@ -53,19 +54,31 @@ Result<std::vector<double>> read_values(const FeatureSource& features, const std
     return values;
 }
 
-/// Rounds quotas so that the results add up to the rounded sum of the quotas. Source: Hamilton's method of largest
-/// remainders.
-std::vector<std::size_t> rounded(const std::vector<double>& quotas, double sum) {
-    std::vector<std::size_t> counts;
-    for (const double quota : quotas) counts.push_back(static_cast<std::size_t>(quota));
-    const auto all = std::accumulate(counts.begin(), counts.end(), std::size_t{0});
-    const auto wanted = static_cast<std::size_t>(std::llround(sum));
-    std::vector<std::size_t> order(quotas.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::stable_sort(order, std::greater(), [&](std::size_t i) { return quotas[i] - std::floor(quotas[i]); });
-    // The sum of many quotas has a rounding error, so more points may be missing than there are remainders.
-    const std::size_t more = wanted > all ? std::min(wanted - all, quotas.size()) : 0;
-    for (std::size_t i = 0; i < more; ++i) ++counts[order[i]];
+/// Rounds quotas.
+/// @param quotas  [classes][features]
+/// @returns       [features][classes], one feature after the other
+std::vector<std::size_t> rounded(std::span<const std::optional<Point3>> places,
+                                 std::span<const std::vector<double>> quotas) {
+    std::vector<std::size_t> counts(places.size() * quotas.size());
+    std::vector<std::size_t> placed;
+    std::vector<Point3> positions;
+    std::vector<std::vector<double>> own(quotas.size());
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        for (std::size_t number = 0; number < quotas.size(); ++number) {
+            const double quota = quotas[number][i];
+            if (places[i])
+                own[number].push_back(quota);
+            else
+                counts[i * quotas.size() + number] = static_cast<std::size_t>(std::round(quota));
+        }
+        if (!places[i]) continue;
+        placed.push_back(i);
+        positions.push_back(*places[i]);
+    }
+    const auto whole = apportion(positions, own);
+    for (std::size_t number = 0; number < quotas.size(); ++number) {
+        for (std::size_t i = 0; i < placed.size(); ++i) counts[placed[i] * quotas.size() + number] = whole[number][i];
+    }
     return counts;
 }
 
@@ -120,23 +133,21 @@ std::size_t FeatureCounts::total() const {
     return std::accumulate(counts.begin(), counts.end(), std::size_t{0});
 }
 
-Result<FeatureCounts> count_features(const FeatureSource& features, const Counting& counting, const Limits& limits,
-                                     const std::string& sites) {
+Result<FeatureCounts> count_features(const FeatureSource& features, std::span<const std::optional<Point3>> places,
+                                     const Counting& counting, const Limits& limits, const std::string& sites) {
     FeatureCounts result;
     result.are_named = !counting.classes.empty();
     result.classes = result.are_named ? counting.classes : std::vector<std::string>{*counting.property};
-    result.counts.resize(features.value.size() * result.classes.size());
+    std::vector<std::vector<double>> quotas;
     double total = 0;
-    for (std::size_t number = 0; number < result.classes.size(); ++number) {
-        result.missing.emplace_back();
-        auto quotas = read_values(features, result.classes[number], result.missing.back());
-        if (!quotas) return tl::unexpected(quotas.error());
-        double sum = 0;
-        for (double& quota : *quotas) sum += quota /= counting.per.value_or(1);
-        if (auto checked = check_total(total += sum, limits, sites); !checked) return tl::unexpected(checked.error());
-        const auto counts = rounded(*quotas, sum);
-        for (std::size_t i = 0; i < counts.size(); ++i) result.counts[i * result.classes.size() + number] = counts[i];
+    for (const std::string& property : result.classes) {
+        auto values = read_values(features, property, result.missing.emplace_back());
+        if (!values) return tl::unexpected(values.error());
+        for (double& value : *values) total += value /= counting.per.value_or(1);
+        if (auto checked = check_total(total, limits, sites); !checked) return tl::unexpected(checked.error());
+        quotas.push_back(*std::move(values));
     }
+    result.counts = rounded(places, quotas);
     if (result.total() == 0)
         return failure(ErrorCode::Unusable, "the features have no points: their counts, added up, round to 0", sites);
     return check_total(static_cast<double>(result.total()), limits, sites).map([&] { return std::move(result); });

@@ -3,11 +3,13 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "api/input/feature_list.h"
 #include "api/input/option_reader.h"
+#include "core/geometry/point3.h"
 #include "core/result.h"
 
 namespace ccdt::api {
@@ -60,16 +62,16 @@ struct FeatureCounts {
     std::size_t total() const;
 };
 
-/// Computes the number of points of each class in each feature: a property divided by `per`, then rounded by the method
-/// of largest remainders. The rounded numbers of a class thus add up to its rounded sum. If remainders are equal,
-/// earlier features are rounded up first. A number may be given as a string, as in census files. A property that is
-/// null or missing counts as 0.
+/// Computes the number of points of each class in each feature: a property divided by `per`, then rounded by
+/// apportion(). The rounded numbers of a class thus add up to its rounded sum. Features without a place are rounded by
+/// themselves. A number may be given as a string, as in census files. A property that is null or missing counts as 0.
 ///
 /// @param features  features of a collection
+/// @param places    [features] result of middle_of()
 /// @param sites     JSON Pointer to the option `sites`, or the option's name, for errors
 /// Errors: Malformed, with a JSON Pointer to a value that is not a number of at least 0; Unusable if all numbers are 0;
 /// LimitExceeded, with the limit in the message, for more than limits.max_sites points.
-Result<FeatureCounts> count_features(const FeatureSource& features, const Counting& counting, const Limits& limits,
-                                     const std::string& sites);
+Result<FeatureCounts> count_features(const FeatureSource& features, std::span<const std::optional<Point3>> places,
+                                     const Counting& counting, const Limits& limits, const std::string& sites);
 
 }  // namespace ccdt::api

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <initializer_list>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "api/image/embedded_image.h"
@@ -14,6 +15,7 @@
 #include "api/input/run_options.h"
 #include "api/input/topology_reader.h"
 #include "api/output/formats.h"
+#include "core/dotmap/middle.h"
 #include "core/polish/stealth.h"
 
 namespace ccdt::api {
@@ -242,6 +244,19 @@ tl::unexpected<Error> incompatible(const Draft& draft, std::string_view option, 
     return failure(ErrorCode::Malformed, std::string(option).append(" ").append(what), draft.request.field_of(option));
 }
 
+/// Returns the middles of the features of a collection.
+std::vector<std::optional<Point3>> middles(const Draft& draft) {
+    const std::span<const PolygonPart> parts = draft.geometry->parts;
+    const auto& first_part = draft.geometry->features;
+    std::vector<std::optional<Point3>> places;
+    for (std::size_t i = 0; i < first_part.size(); ++i) {
+        const std::size_t end = i + 1 < first_part.size() ? first_part[i + 1] : parts.size();
+        places.push_back(
+            middle_of(parts.subspan(first_part[i], end - first_part[i]), draft.request.region.is_on_globe()));
+    }
+    return places;
+}
+
 /// Computes the number of points of each feature, if the request is for a dot map.
 Result<void> settle_counts(const Limits& limits, Draft& draft) {
     const Counting& counting = draft.counting;
@@ -254,7 +269,7 @@ Result<void> settle_counts(const Limits& limits, Draft& draft) {
         return incompatible(draft, option, "needs classes, or the name of a property in sites");
     if (!draft.source || !draft.source->is_collection)
         return incompatible(draft, option, "needs a FeatureCollection, or a GeometryCollection of TopoJSON");
-    auto counts = count_features(*draft.source, counting, limits, draft.request.field_of("sites"));
+    auto counts = count_features(*draft.source, middles(draft), counting, limits, draft.request.field_of("sites"));
     if (!counts) return tl::unexpected(counts.error());
     draft.request.run.sites = counts->total();
     draft.request.counts = *std::move(counts);

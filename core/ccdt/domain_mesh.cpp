@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "core/geometry/apportion.h"
 #include "core/geometry/delaunay.h"
 #include "core/mesh/inside.h"
 
@@ -41,32 +42,35 @@ Result<DomainMesh> empty_mesh(const Domain& domain, Border border, std::size_t s
 }
 
 std::vector<std::size_t> sites_of_parts(const DomainMesh& mesh, const CapacityIntegral& capacity) {
-    std::vector<double> due(mesh.mesh.part_count(), 0);
+    struct Part {
+        double capacity = 0;
+        double area = 0;  ///< doubled
+        Point moment;     ///< integral of position over the area, times 6
+    };
+    std::vector<Part> parts(mesh.mesh.part_count());
     auto vertex = static_cast<std::uint32_t>(mesh.mesh.site_count());
     for (const auto& loop : mesh.border.loops) {
-        double inside = 0;
+        Part& part = parts[mesh.mesh.part_of(vertex)];
         for (std::size_t i = 0; i < loop.size(); ++i) {
             const Point a = loop[i], b = loop[(i + 1) % loop.size()];
-            inside += capacity.is_uniform() ? cross(a - loop[0], b - loop[0]) / 2 : capacity.along(a, b);
+            const double area = cross(a - loop[0], b - loop[0]);
+            part.capacity += capacity.is_uniform() ? area / 2 : capacity.along(a, b);
+            part.area += area;
+            part.moment = part.moment + area * (loop[0] + a + b);
         }
-        due[mesh.mesh.part_of(vertex)] += inside;
         vertex += static_cast<std::uint32_t>(loop.size());
     }
     double all = 0;
-    for (double& each : due) all += each = std::max(0.0, each);
+    for (Part& part : parts) all += part.capacity = std::max(0.0, part.capacity);
     if (!(all > 0)) return {};
-    std::size_t left = mesh.mesh.site_count();
-    std::vector<std::size_t> shares;
-    std::vector<std::pair<double, std::size_t>> remainders;
-    for (double each : due) {
-        each *= static_cast<double>(mesh.mesh.site_count()) / all;
-        shares.push_back(std::min(left, static_cast<std::size_t>(each)));
-        left -= shares.back();
-        remainders.emplace_back(static_cast<double>(shares.back()) - each, remainders.size());
+    std::vector<double> quotas;
+    std::vector<Point3> places;
+    for (const Part& part : parts) {
+        quotas.push_back(part.capacity / all * static_cast<double>(mesh.mesh.site_count()));
+        const Point middle{part.moment.x / (3 * part.area), part.moment.y / (3 * part.area)};
+        places.push_back(part.area > 0 ? Point3{middle.x, middle.y, 0} : Point3{});
     }
-    std::ranges::sort(remainders);
-    for (std::size_t i = 0; left > 0; i = (i + 1) % remainders.size(), --left) ++shares[remainders[i].second];
-    return shares;
+    return std::move(apportion(places, {&quotas, 1}).front());
 }
 
 std::vector<Point> sites_to_user(const Domain& domain, const Triangulation& mesh) {

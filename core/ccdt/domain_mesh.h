@@ -33,8 +33,8 @@ Result<DomainMesh> empty_mesh(const Domain& domain, Border border, std::size_t s
 Result<DomainMesh> empty_mesh(const Domain& domain, const CapacityIntegral& capacity, std::size_t sites,
                               const std::stop_token& stop = {});
 
-/// Divides the sites among the connected parts of a domain, in proportion to the capacities of the parts. The method of
-/// largest remainders makes the numbers whole.
+/// Divides the sites among the connected parts of a domain, in proportion to the capacities of the parts. apportion()
+/// makes the numbers whole.
 /// @returns  number of sites of each part [parts of the mesh]; empty if the capacity is zero
 std::vector<std::size_t> sites_of_parts(const DomainMesh& mesh, const CapacityIntegral& capacity);
 

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/geometry/apportion.h"
 #include "core/geometry/morton.h"
 #include "core/random.h"
 #include "core/surface/face_pieces.h"
@@ -95,24 +96,24 @@ private:
     std::uint64_t seed_;
 };
 
-/// Returns the number of sites of each component, by the method of largest remainders.
+/// Returns the number of sites of each component, rounded by apportion().
 std::vector<std::size_t> shares(const Surface& surface, const SurfaceDensity& density, std::size_t sites) {
-    std::vector<double> masses(surface.component_count(), 0);
-    for (std::uint32_t f = 0; f < surface.face_count(); ++f) masses[surface.component(f)] += density.mass(surface, f);
-    const double total = std::accumulate(masses.begin(), masses.end(), 0.0);
-    std::vector<std::size_t> counts(masses.size(), 0);
-    if (!(total > 0)) return counts;
-    std::vector<std::pair<double, std::uint32_t>> rests;
-    std::size_t given = 0;
-    for (std::uint32_t i = 0; i < masses.size(); ++i) {
-        const double share = masses[i] / total * static_cast<double>(sites);
-        counts[i] = std::min(static_cast<std::size_t>(share), sites - given);
-        given += counts[i];
-        if (masses[i] > 0) rests.emplace_back(static_cast<double>(counts[i]) - share, i);
+    constexpr double kThird = 1.0 / 3;
+    std::vector<double> quotas(surface.component_count(), 0);
+    std::vector<Point3> centroids(quotas.size());
+    double total = 0;
+    for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
+        const double mass = density.mass(surface, f);
+        if (!(mass > 0)) continue;
+        const std::uint32_t component = surface.component(f);
+        Point3& centroid = centroids[component];
+        total += mass;
+        quotas[component] += mass;
+        const Point3 middle = surface.place({f, {kThird, kThird, kThird}});
+        centroid = centroid + (mass / quotas[component]) * (middle - centroid);
     }
-    std::ranges::sort(rests);
-    for (std::size_t i = 0; given < sites; ++given, ++i) ++counts[rests[i % rests.size()].second];
-    return counts;
+    for (double& quota : quotas) quota *= total > 0 ? static_cast<double>(sites) / total : 0;
+    return std::move(apportion(centroids, {&quotas, 1}).front());
 }
 
 }  // namespace

@@ -38,14 +38,6 @@ def counties():
     return given
 
 
-def largest_remainders(values):
-    counts = [math.floor(value) for value in values]
-    order = sorted(range(len(values)), key=lambda i: (counts[i] - values[i], i))
-    for i in order[:round(sum(values)) - sum(counts)]:
-        counts[i] += 1
-    return counts
-
-
 def hexagonal_spacing(density):
     return numpy.sqrt(2 / math.sqrt(3) / density)
 
@@ -66,6 +58,14 @@ def nearest(points, feature, density, pairs):
     return numpy.sort(least[least < 2])
 
 
+def error_in_rectangles(middles, errors):
+    """Returns the root mean square of the sums of errors in random rectangles that cut each axis at ranks of places."""
+    ranks = middles.argsort(axis=0).argsort(axis=0) / len(middles)
+    ends = numpy.sort(numpy.random.default_rng(4).uniform(size=(1000, 2, 2)), axis=2)
+    inside = ((ranks[:, None] >= ends[None, :, :, 0]) & (ranks[:, None] < ends[None, :, :, 1])).all(axis=2)
+    return math.sqrt(numpy.mean((errors @ inside) ** 2))
+
+
 class Counties(ServerCase):
     @classmethod
     def setUpClass(cls):
@@ -78,17 +78,26 @@ class Counties(ServerCase):
         cls.areas = [repaired_area(each["geometry"]) for each in cls.features]
 
     def test_have_exactly_their_counts(self):
-        wanted = largest_remainders([each["properties"]["people"] / PER for each in self.features])
+        quotas = numpy.array([each["properties"]["people"] / PER for each in self.features])
+        counts = numpy.array([each["sites"] for each in self.answer["features"]])
         flat = next(i for i, each in enumerate(self.features) if each["properties"]["name"] == FLAT)
-        self.assertGreater(wanted[flat], 0)
+        self.assertGreater(quotas[flat], 0.5)
         warning = self.answer["warnings"][0]
         self.assertTrue(warning["pointer"].startswith(f"/geometry/features/{flat}/"), warning)
-        self.assertIn(f"{wanted[flat]} point", warning["detail"])
-        wanted[flat] = 0
-        self.assertEqual([each["sites"] for each in self.answer["features"]], wanted)
-        self.assertEqual(numpy.bincount(self.feature, minlength=len(wanted)).tolist(), wanted)
+        self.assertIn(f"{round(quotas[flat])} point", warning["detail"])
+        quotas[flat] = 0
+        self.assertLess(numpy.abs(counts - quotas).max(), 1)
+        self.assertEqual(counts.sum(), round(quotas.sum()))
+        self.assertEqual(numpy.bincount(self.feature, minlength=len(counts)).tolist(), counts.tolist())
         self.assertEqual([each["id"] for each in self.answer["features"]], [each["id"] for each in self.features])
-        self.assertEqual(len(numpy.unique(self.points, axis=0)), sum(wanted))
+        self.assertEqual(len(numpy.unique(self.points, axis=0)), counts.sum())
+
+    def test_have_their_sums_in_every_region(self):
+        quotas = numpy.array([each["properties"]["people"] / PER for each in self.features])
+        counts = numpy.bincount(self.feature, minlength=len(self.features))
+        used = [each["properties"]["name"] != FLAT for each in self.features]
+        middles = numpy.array([self.areas[i].centroid.coords[0] for i in numpy.flatnonzero(used)])
+        self.assertLess(error_in_rectangles(middles, (counts - quotas)[used]), 2.5)
 
     def test_contain_their_points(self):
         ends = numpy.searchsorted(self.feature, numpy.arange(len(self.features) + 1))
@@ -110,6 +119,75 @@ class Counties(ServerCase):
         across = nearest(self.points, self.feature, density, alike)
         self.assertGreater(len(across), 20_000)
         self.assertGreater(across[len(across) // 100], 0.6)
+
+
+def cells(counts, width=20):
+    """Returns square cells in rows from the south, with a count each."""
+    return [{"type": "Feature", "properties": {"n": count, "column": i % width},
+             "geometry": shapely.geometry.mapping(
+                 shapely.geometry.box(i % width, i // width, i % width + 1, i // width + 1))}
+            for i, count in enumerate(counts)]
+
+
+class SmallCounts(ServerCase):
+    """Maps on which most features have less than one point."""
+
+    def counts(self, given, per, **options):
+        answer = post_json(self.server, "/sample", {
+            "geometry": collection(given), "sites": {"property": "n", "per": per}, "quality": "draft", **options})
+        self.assertEqual(answer.status, 200, answer)
+        return numpy.array([each["sites"] for each in answer.json()["features"]])
+
+    def test_have_their_sums_in_quarters_and_sides(self):
+        for options in ({}, {"coordinates": "lonlat"}):
+            with self.subTest(**options):
+                counts = self.counts(cells(400 * [2]), 5, **options).reshape(20, 20)
+                self.assertEqual(counts.reshape(4, -1).sum(axis=1).tolist(), 4 * [40])
+                counts = self.counts(cells(20 * (10 * [1] + 10 * [4])), 10, **options).reshape(20, 20)
+                self.assertEqual([counts[:, :10].sum(), counts[:, 10:].sum()], [20, 80])
+
+    def test_do_not_depend_on_the_order_of_features(self):
+        given = cells(numpy.random.default_rng(6).integers(0, 9, 400).tolist())
+        counts = self.counts(given, 10)
+        order = numpy.random.default_rng(7).permutation(400)
+        self.assertEqual(self.counts([given[i] for i in order], 10).tolist(), counts[order].tolist())
+
+    def test_have_their_sums_across_the_antimeridian(self):
+        given = cells(400 * [1])
+        for each in given:
+            east = 170 if each["properties"]["column"] < 10 else -190
+            each["geometry"]["coordinates"] = [[[x + east, y] for x, y in each["geometry"]["coordinates"][0]]]
+        counts = self.counts(given, 8, coordinates="lonlat").reshape(20, 20)
+        self.assertEqual(counts.sum(), 50)
+        self.assertLessEqual(abs(counts[:, 5:15].sum() - 25), 2)
+
+    def test_are_spread_evenly(self):
+        given = cells(3600 * [1], 60)
+        row, column = numpy.nonzero(self.counts(given, 10).reshape(60, 60))
+        near, _ = scipy.spatial.cKDTree(numpy.column_stack((row, column))).query(numpy.column_stack((row, column)), 2)
+        self.assertGreater(near[:, 1].mean(), 0.7 * hexagonal_spacing(0.1))  # 0.47 for random cells
+
+    def test_have_their_sums_in_irregular_areas(self):
+        random = numpy.random.default_rng(8)
+        places = random.uniform(0, 1, (3000, 2))
+        mirrored = [places, *(places * sign + shift for sign, shift in (
+            ((-1, 1), (0, 0)), ((-1, 1), (2, 0)), ((1, -1), (0, 0)), ((1, -1), (0, 2))))]
+        diagram = scipy.spatial.Voronoi(numpy.concatenate(mirrored))
+        rings = [diagram.vertices[diagram.regions[diagram.point_region[i]]] for i in range(3000)]
+        people = numpy.exp(random.normal(5, 1.45, (3000, 2))).round()
+        given = [{"type": "Feature", "properties": {"a": own[0], "b": own[1]},
+                  "geometry": {"type": "Polygon", "coordinates": [[*ring.tolist(), ring[0].tolist()]]}}
+                 for own, ring in zip(people, rings, strict=True)]
+        answer = post_json(self.server, "/sample", {"geometry": collection(given), "classes": ["a", "b"], "per": 1000,
+                                                    "quality": "draft"}).json()
+        feature, number = numpy.array(answer["feature"]), numpy.array(answer["class"])
+        middles = numpy.array([ring.mean(axis=0) for ring in rings])
+        errors = [numpy.bincount(feature[number == i], minlength=3000) - people[:, i] / 1000 for i in range(2)]
+        for own in errors:
+            self.assertLess(numpy.abs(own).max(), 1)
+            self.assertLessEqual(abs(own.sum()), 0.5)
+            self.assertLess(error_in_rectangles(middles, own), 2.2)
+        self.assertLess(error_in_rectangles(middles, sum(errors)), 2.6)
 
 
 class Formats(ServerCase):

@@ -3,17 +3,24 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "api/json/json_document.h"
 
 namespace ccdt::api {
 namespace {
 
-Result<FeatureCounts> count(const std::string& features, const Counting& counting, const Limits& limits = {}) {
+/// Counts features that lie beside each other on a line, except for those that have no place.
+Result<FeatureCounts> count(const std::string& features, const Counting& counting, const Limits& limits = {},
+                            std::size_t without_place = 0) {
     const auto document = JsonDocument::parse(R"({"type":"FeatureCollection","features":[)" + features + "]}");
     EXPECT_TRUE(document) << document.error().message;
-    return count_features(*find_features({"/geometry", "/geometry", document->root()}), counting, limits, "/sites");
+    const FeatureSource source = *find_features({"/geometry", "/geometry", document->root()});
+    std::vector<std::optional<Point3>> places(source.value.size());
+    for (std::size_t i = without_place; i < places.size(); ++i) places[i] = {static_cast<double>(i), 0, 0};
+    return count_features(source, places, counting, limits, "/sites");
 }
 
 std::string feature(const std::string& properties, const std::string& more = "") {
@@ -27,19 +34,24 @@ Counting people(double per) {
     return counting;
 }
 
-TEST(FeatureCounts, RoundsByLargestRemainders) {
+TEST(FeatureCounts, RoundsUpOrDownToTheRoundedSum) {
     const auto counts = count(feature(R"({"people":260})") + ',' + feature(R"({"people":170})") + ',' +
                                   feature(R"({"people":70})") + ',' + feature(R"({"people":0})"),
                               people(100));
     ASSERT_TRUE(counts) << counts.error().message;
-    EXPECT_EQ(counts->counts, (std::vector<std::size_t>{2, 2, 1, 0}));
     EXPECT_EQ(counts->total(), 5U);
+    EXPECT_EQ(counts->counts[0] / 2, 1U);
+    EXPECT_EQ(counts->counts[3], 0U);
 }
 
-TEST(FeatureCounts, RoundsUpTheFirstOfEqualRemainders) {
-    std::string features = feature(R"({"people":50})");
-    for (int i = 0; i < 3; ++i) features += ',' + feature(R"({"people":50})");
-    EXPECT_EQ(count(features, people(100))->counts, (std::vector<std::size_t>{1, 1, 0, 0}));
+TEST(FeatureCounts, RoundsFeaturesWithoutPlaceByThemselves) {
+    std::string features = feature(R"({"people":40})");
+    for (int i = 0; i < 4; ++i) features += ',' + feature(R"({"people":40})");
+    EXPECT_EQ(count(features, people(100), {}, 5).error().code, ErrorCode::Unusable);
+    const auto counts = count(features + ',' + feature(R"({"people":60})"), people(100), {}, 2);
+    ASSERT_TRUE(counts) << counts.error().message;
+    EXPECT_EQ(counts->counts[0] + counts->counts[1], 0U);
+    EXPECT_EQ(counts->total(), 2U);
 }
 
 TEST(FeatureCounts, ReadsNumbersInStrings) {
@@ -64,9 +76,11 @@ TEST(FeatureCounts, CountsEachClass) {
     counting.classes = {"a", "b"};
     const auto counts = count(feature(R"({"a":20,"b":5})") + ',' + feature(R"({"a":0,"b":25})"), counting);
     ASSERT_TRUE(counts) << counts.error().message;
-    EXPECT_EQ(counts->counts, (std::vector<std::size_t>{2, 1, 0, 2}));
+    EXPECT_EQ(counts->points_of(0) + counts->points_of(1), 5U);
+    EXPECT_EQ(counts->count(0, 0), 2U);
+    EXPECT_EQ(counts->count(1, 0), 0U);
+    EXPECT_EQ(counts->count(0, 1) + counts->count(1, 1), 3U);
     EXPECT_TRUE(counts->are_named);
-    EXPECT_EQ(counts->count(1, 1), 2U);
 }
 
 TEST(FeatureCounts, RefusesInvalidCounts) {

@@ -606,5 +606,18 @@ TEST(Distribute, GivesEachPartItsShare) {
     }
 }
 
+/// Most of 400 equal islands have no site.
+TEST(Distribute, SpreadsFewSitesOverManyParts) {
+    constexpr int kSide = 20;
+    Parts parts;
+    for (int i = 0; i < kSide * kSide; ++i) parts.push_back({test::box(i % kSide, i / kSide, 0.8, 0.8), {}});
+    const auto points = distribute(test::domain_of(parts), Density::uniform(), {.sites = 150})->points;
+    for (int quarter = 0; quarter < 4; ++quarter) {
+        const auto is_in_quarter = [&](double v) { return v >= 5 * quarter && v < 5 * quarter + 5; };
+        EXPECT_NEAR(std::ranges::count_if(points, [&](Point p) { return is_in_quarter(p.x); }), 37.5, 2);
+        EXPECT_NEAR(std::ranges::count_if(points, [&](Point p) { return is_in_quarter(p.y); }), 37.5, 2);
+    }
+}
+
 }  // namespace
 }  // namespace ccdt

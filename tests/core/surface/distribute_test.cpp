@@ -4,12 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <numeric>
 #include <stop_token>
 #include <string>
+#include <utility>
 
 #include "core/analysis/spacing.h"
 #include "core/geometry/hexagonal_spacing.h"
@@ -213,6 +215,21 @@ TEST(DistributeOnSurface, GivesComponentsTheirShares) {
     const auto of_large = std::ranges::count_if(
         dots.points, [&](const SurfacePoint& point) { return surface.to_input(surface.place(point)).x < 2; });
     EXPECT_EQ(of_large, 800);
+}
+
+TEST(DistributeOnSurface, SpreadsFewSitesOverManyComponents) {
+    TriangleSoup soup;
+    for (int i = 0; i < 100; ++i) soup = joined(std::move(soup), cube_surface({2.0 * (i % 10), 2.0 * (i / 10), 0}, 1));
+    const Surface surface = surface_of(soup);
+    ASSERT_EQ(surface.component_count(), 100U);
+    const auto dots = distributed(surface, {.sites = 40});
+    std::array<int, 2> south{}, west{};
+    for (const SurfacePoint& point : dots.points) {
+        const Point3 place = surface.to_input(surface.place(point));
+        ++west[place.x < 9.5 ? 0 : 1];
+        ++south[place.y < 9.5 ? 0 : 1];
+    }
+    for (const auto& counts : {south, west}) EXPECT_NEAR(counts[0], 20, 1);
 }
 
 TEST(DistributeOnSurface, SeparatesSitesWhereSurfacesIntersect) {
