@@ -65,8 +65,7 @@ struct FeatureCounts {
 /// earlier features are rounded up first. A number may be given as a string, as in census files. A property that is
 /// null or missing counts as 0.
 ///
-/// @param features  features of a collection
-/// @param sites     JSON Pointer to the option `sites`, or the option's name, for errors
+/// @param sites  JSON Pointer to the option `sites`, or the option's name, for errors
 /// Errors: Malformed, with a JSON Pointer to a value that is not a number of at least 0; Unusable if all numbers are 0;
 /// LimitExceeded, with the limit in the message, for more than limits.max_sites points.
 Result<FeatureCounts> count_features(const FeatureSource& features, const Counting& counting, const Limits& limits,
