@@ -9,17 +9,22 @@
 #include <string>
 #include <utility>
 
+#include "api/image/image_header.h"
 #include "api/input/npy_reader.h"
 #include "api/input/option_reader.h"
 #include "api/input/point_reader.h"
 #include "api/json/json_document.h"
 #include "api/surface/ply.h"
 #include "api/text/byte_order_mark.h"
+#include "api/text/file_kind.h"
 #include "api/text/text.h"
 #include "core/geometry/axes.h"
 
 namespace ccdt::api {
 namespace {
+
+/// Characters before the first value of JSON, also of a sequence of texts (RFC 8142).
+constexpr std::string_view kBlanks = " \t\r\n\x1E";
 
 tl::unexpected<Error> wrong(std::string message) {
     return failure(ErrorCode::Malformed, std::move(message));
@@ -148,18 +153,17 @@ Result<std::vector<P>> read_csv(std::string_view text, const Limits& limits) {
 
 template <class P>
 Result<std::vector<P>> read_array(std::string_view file, const Limits& limits) {
-    static_assert(std::endian::native == std::endian::little);
     const auto array = read_npy(file);
     if (!array) return tl::unexpected(array.error());
-    const auto& [type, shape, data] = *array;
-    if (type != "<f8" || shape.size() != 2 || shape[1] < kAxes<P>)
-        return wrong("the NPY file must be an array of float64, with a row for each point and at least " +
+    const auto& shape = array->shape;
+    if (!array->has_numbers() || shape.size() != 2 || shape[1] < kAxes<P>)
+        return wrong("the NPY file must be an array of numbers, with a row for each point and at least " +
                      std::string(kAxes<P> == 2 ? "two" : "three") + " columns");
     if (shape[0] > limits.max_sites) return too_many(limits);
     std::vector<P> points(shape[0]);
     for (std::size_t i = 0; i < points.size(); ++i) {
         std::array<double, kAxes<P>> ordinates;
-        std::memcpy(&ordinates, data.data() + i * shape[1] * sizeof(double), sizeof(ordinates));
+        for (std::size_t axis = 0; axis < ordinates.size(); ++axis) ordinates[axis] = array->value(i * shape[1] + axis);
         if (!std::ranges::all_of(ordinates, [](double value) { return std::isfinite(value); }))
             return wrong("row " + std::to_string(i) + " of the NPY file is not finite");
         points[i] = std::bit_cast<P>(ordinates);
@@ -176,7 +180,7 @@ Result<std::vector<Point3>> read_list(const Input& input, const Limits& limits, 
 
 template <class P>
 Result<std::vector<P>> read_json(std::string_view text, const Limits& limits) {
-    const auto document = JsonDocument::parse(text);
+    const auto document = JsonDocument::parse_features(text);
     if (!document) return tl::unexpected(document.error());
     const JsonValue root = document->root();
     const auto member = root.is_object() ? root.find("points") : std::nullopt;
@@ -214,8 +218,12 @@ Result<std::vector<P>> read_file(std::string_view file, const Limits& limits) {
     file = without_byte_order_mark(file);
     if (is_npy(file)) return read_array<P>(file, limits);
     if (is_ply(file)) return read_ply<P>(file, limits);
-    const auto start = trim(file, " \t\r\n");
-    return start.starts_with('{') || start.starts_with('[') ? read_json<P>(file, limits) : read_csv<P>(file, limits);
+    const auto start = trim(file, kBlanks);
+    if (start.starts_with('{') || start.starts_with('[')) return read_json<P>(file, limits);
+    const std::string_view kind = recognise_image(file) ? "a picture" : kind_of_file(file);
+    if (kind == "CSV" || kind == "text" || kind.empty()) return read_csv<P>(file, limits);
+    return wrong("the file " + std::string(kind == "empty" ? "is " : "seems to be ") + std::string(kind) +
+                 "; points are read from CSV, JSON, NPY and PLY");
 }
 
 }  // namespace
@@ -231,7 +239,8 @@ Result<std::vector<Point3>> read_point_file3(std::string_view file, const Limits
 bool is_point_file3(std::string_view file) {
     file = without_byte_order_mark(file);
     if (is_ply(file)) return true;
-    if (is_npy(file) || trim(file, " \t\r\n").starts_with('{') || trim(file, " \t\r\n").starts_with('[')) return false;
+    const auto start = trim(file, kBlanks);
+    if (is_npy(file) || start.starts_with('{') || start.starts_with('[')) return false;
     CsvReader reader(file);
     return reader.next() && std::ranges::find(reader.fields(), "z") != reader.fields().end();
 }

@@ -15,10 +15,10 @@ namespace ccdt::api {
 ///
 /// | format | points |
 /// |---|---|
-/// | NPY | the first two columns of an array of float64, with at least two columns |
-/// | JSON | a list of positions, the member `points` of an object, or GeoJSON as in read_points() |
-/// | CSV | the columns `x` and `y`, which the first line names, in any position |
-/// | PLY | the vertices, which must be the first element; ASCII or little-endian binary |
+/// | NPY | the first two columns of an array of numbers, with at least two columns |
+/// | JSON | a list of positions, the member `points` of an object, or GeoJSON as in read_points(), also a sequence of
+/// texts | | CSV | the columns `x` and `y`, which the first line names, in any position | | PLY | the vertices, which
+/// must be the first element; ASCII or little-endian binary |
 ///
 /// Fields of CSV may be quoted (RFC 4180), and lines may end with or without a carriage return. A byte order mark of
 /// UTF-8 at the start is ignored. Errors: Malformed for any other content; the message names the line of CSV, the row

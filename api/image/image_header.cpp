@@ -9,6 +9,7 @@
 #include "api/image/broken_image.h"
 #include "api/image/colour_tags.h"
 #include "api/image/containers.h"
+#include "api/text/file_kind.h"
 
 namespace ccdt::api {
 namespace {
@@ -335,45 +336,6 @@ bool is_bmp(std::string_view bytes) {
     return bytes.starts_with("BM") && size && std::ranges::find(kInfoSizes, *size) != kInfoSizes.end();
 }
 
-/// A format that is not supported. A file has this format if it contains `mark` at `offset`.
-struct OtherFormat {
-    std::size_t offset;
-    std::string_view mark;
-    const char* name;
-};
-
-constexpr auto kOtherFormats = std::to_array<OtherFormat>({
-    {4, "ftyphe"sv, "HEIC"},
-    {4, "ftypmif1"sv, "HEIF"},
-    {4, "ftypmsf1"sv, "HEIF"},
-    {4, "ftypcrx "sv, "a camera's raw file"},
-    {4, "ftyp"sv, "a video"},
-    {4, "JXL "sv, "JPEG XL"},
-    {0, "\xff\x0a"sv, "JPEG XL"},
-    {4, "jP  "sv, "JPEG 2000"},
-    {0, "\xff\x4f\xff\x51"sv, "JPEG 2000"},
-    {0, "II+\0"sv, "BigTIFF"},
-    {0, "MM\0+"sv, "BigTIFF"},
-    {0, "8BPS"sv, "a Photoshop file"},
-    {0, "%PDF"sv, "PDF"},
-    {0, "<svg"sv, "SVG"},
-    {0, "<?xml"sv, "XML"},
-    {0, "\0\0\1\0"sv, "an icon"},
-    {0, "\x76\x2f\x31\x01"sv, "OpenEXR"},
-    {0, "#?RADIANCE"sv, "Radiance HDR"},
-    {0, "DDS "sv, "DDS"},
-    {0, "qoif"sv, "QOI"},
-    {0, "PK\3\4"sv, "a ZIP archive"},
-    {0, "\x1f\x8b"sv, "gzip"},
-});
-
-std::string name_of_other(std::string_view bytes) {
-    for (const OtherFormat& format : kOtherFormats) {
-        if (bytes.size() > format.offset && bytes.substr(format.offset).starts_with(format.mark)) return format.name;
-    }
-    return "not an image the server can read";
-}
-
 }  // namespace
 
 Result<ImageFormat> recognise_image(std::string_view bytes) {
@@ -385,8 +347,10 @@ Result<ImageFormat> recognise_image(std::string_view bytes) {
     if (bytes.starts_with("GIF87a"sv) || bytes.starts_with("GIF89a"sv)) return ImageFormat::Gif;
     if (is_bmp(bytes)) return ImageFormat::Bmp;
     if (is_avif(bytes)) return ImageFormat::Avif;
-    return failure(ErrorCode::Unsupported, "this is " + name_of_other(bytes) +
-                                               "; the supported formats are PNG, JPEG, WebP, TIFF, GIF, BMP and AVIF");
+    const std::string_view kind = kind_of_file(bytes);
+    return failure(ErrorCode::Unsupported, "this is " +
+                                               std::string(kind.empty() ? "not an image the server can read" : kind) +
+                                               std::string(kPictureFormats));
 }
 
 Result<ImageHeader> read_image_header(std::string_view bytes, std::size_t max_pixels) {

@@ -41,6 +41,10 @@ inline constexpr std::uint64_t kMaxTilePixels = std::uint64_t{1} << 20;
 /// Longest side of an AVIF that its codec allows.
 inline constexpr std::uint64_t kMaxAvifSide = 65'536;
 
+/// End of messages about files that are not pictures.
+inline constexpr std::string_view kPictureFormats =
+    "; the supported formats are PNG, JPEG, WebP, TIFF, GIF, BMP and AVIF";
+
 /// Recognises the format of an image file by its first bytes: PNG, JPEG, WebP, TIFF, GIF, BMP or AVIF.
 /// Errors: Malformed if there are no bytes; Unsupported for any other format. The message names the format, if it is
 /// known, and the supported formats.

@@ -34,8 +34,8 @@ std::optional<double> number_of(JsonValue value) {
 Result<std::vector<double>> read_values(const FeatureSource& features, const std::string& property,
                                         FeatureCounts::Missing& missing) {
     std::vector<double> values;
-    for (const JsonValue feature : features.value) {
-        const std::string own = pointer_below(features.pointer, values.size());
+    for (const JsonValue feature : features.features) {
+        const std::string own = features.pointer_to(values.size());
         const auto pointer = [&] { return pointer_below(pointer_below(own, "properties"), property); };
         const auto properties = properties_of(feature, own);
         if (!properties) return tl::unexpected(properties.error());
@@ -148,8 +148,11 @@ Result<FeatureCounts> count_features(const FeatureSource& features, std::span<co
         quotas.push_back(*std::move(values));
     }
     result.counts = rounded(places, quotas);
-    if (result.total() == 0)
-        return failure(ErrorCode::Unusable, "the features have no points: their counts, added up, round to 0", sites);
+    if (result.total() == 0) {
+        const std::string divided = counting.per ? ", divided by per," : "";
+        return failure(ErrorCode::Unusable,
+                       "the features have no points: their counts, added up" + divided + " round to 0", sites);
+    }
     return check_total(static_cast<double>(result.total()), limits, sites).map([&] { return std::move(result); });
 }
 

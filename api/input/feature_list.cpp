@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
+#include "api/text/similar_name.h"
 #include "api/text/text.h"
 
 namespace ccdt::api {
@@ -27,7 +29,6 @@ class Collector {
 public:
     Collector(const PropertyChoice& choice, const std::string& option) : choice_(choice), option_(option) {
         for (const std::string& name : choice.names) add_name(name);
-        is_found_.assign(names_.size(), choice.all);
     }
 
     /// Adds the properties of the next feature.
@@ -39,7 +40,6 @@ public:
             for (const auto& [name, value] : (*properties)->members()) {
                 const auto number = number_of(name);
                 if (!number) continue;
-                if (!choice_.all) is_found_[*number] = true;
                 CarriedProperties::Value carried{*number, value.is_string(), {}};
                 if (carried.is_text) {
                     carried.value = value.text();
@@ -60,11 +60,7 @@ public:
         return check_last(pointer);
     }
 
-    Result<CarriedProperties> take() {
-        if (const auto missing = std::ranges::find(is_found_, false); missing != is_found_.end()) {
-            const std::string& name = names_[static_cast<std::size_t>(missing - is_found_.begin())];
-            return failure(ErrorCode::Malformed, "no feature has the property '" + excerpt(name) + "'", option_);
-        }
+    CarriedProperties take() {
         carried_.names = names_;
         for (std::string& name : carried_.names) make_distinct(name);
         return std::move(carried_);
@@ -108,9 +104,25 @@ private:
     const std::string& option_;
     CarriedProperties carried_;
     std::vector<std::string> names_;
-    std::vector<bool> is_found_;  ///< [chosen names] whether any feature has the property
     std::unordered_map<std::string, std::uint32_t> numbers_;
 };
+
+FeatureSource source_of(JsonValue list, std::string pointer) {
+    FeatureSource source{{}, std::move(pointer)};
+    for (const JsonValue feature : list) source.features.push_back(feature);
+    return source;
+}
+
+/// Checks that the texts of a property could be read.
+/// @param name  empty: any property
+Result<void> check_readable(const FeatureSource& source, std::string_view name, const std::string& option) {
+    if (!source.unreadable || !source.unreadable->is_object()) return {};
+    for (const auto& [unreadable, reason] : source.unreadable->members()) {
+        if (reason.is_string() && (name.empty() || name == unreadable))
+            return failure(ErrorCode::Unusable, reason.text(), option);
+    }
+    return {};
+}
 
 }  // namespace
 
@@ -160,6 +172,10 @@ void CarriedProperties::append_members(std::string& out, std::size_t feature) co
     }
 }
 
+std::string FeatureSource::pointer_to(std::size_t feature) const {
+    return is_collection ? pointer_below(pointer, feature) : pointer;
+}
+
 std::string FeatureList::pointer_to(std::size_t feature) const {
     return is_collection ? pointer_below(pointer, feature) : pointer;
 }
@@ -175,15 +191,48 @@ Result<std::optional<JsonValue>> properties_of(JsonValue feature, const std::str
 std::optional<FeatureSource> find_features(const Input& geometry) {
     const auto value = std::get<JsonValue>(geometry.value);
     const std::string& type = value.find("type")->text();
-    if (type == "Feature") return FeatureSource{value, geometry.field, false};
+    if (type == "Feature") return FeatureSource{{value}, geometry.field, false};
     if (type != "FeatureCollection") return std::nullopt;
-    return FeatureSource{*value.find("features"), pointer_below(geometry.field, "features"), true};
+    FeatureSource source = source_of(*value.find("features"), pointer_below(geometry.field, "features"));
+    source.unreadable = value.find("unreadable");
+    return source;
 }
 
 FeatureSource find_geometries(const Input& object) {
     const auto value = std::get<JsonValue>(object.value);
-    if (const auto list = value.find("geometries")) return {*list, pointer_below(object.field, "geometries"), true};
-    return {value, object.field, false};
+    if (const auto list = value.find("geometries")) return source_of(*list, pointer_below(object.field, "geometries"));
+    return {{value}, object.field, false};
+}
+
+Result<void> check_names(const FeatureSource& source, std::span<const std::string> names, const std::string& option) {
+    for (const std::string& name : names) {
+        const bool is_found = std::ranges::any_of(source.features, [&](JsonValue feature) {
+            const auto properties = properties_of(feature, {});
+            return !properties || (*properties && (*properties)->find(name));
+        });
+        if (is_found) continue;
+        if (auto readable = check_readable(source, name, option); !readable) return readable;
+        return failure(ErrorCode::Malformed,
+                       "no feature has the property '" + excerpt(name) + "'" + describe_properties(source, name),
+                       option);
+    }
+    return {};
+}
+
+std::string describe_properties(const FeatureSource& source, std::string_view wanted) {
+    std::vector<std::string> names;
+    std::unordered_set<std::string> known;
+    for (const JsonValue feature : source.features) {
+        const auto properties = properties_of(feature, {});
+        if (!properties || !*properties) continue;
+        for (const auto& [name, value] : (*properties)->members()) {
+            if (names.size() < PropertyChoice::kMax && known.emplace(name).second) names.emplace_back(name);
+        }
+    }
+    if (names.empty()) return "; the features have no properties";
+    const std::string* const near = wanted.empty() ? nullptr : find_similar(names, wanted);
+    const std::string hint = near == nullptr ? "; the" : "; did you mean '" + excerpt(*near) + "'? The";
+    return hint + " properties of the features are " + join_names(names);
 }
 
 Result<FeatureList> list_features(const FeatureSource& source, std::vector<std::size_t> first_part, std::size_t parts,
@@ -194,24 +243,21 @@ Result<FeatureList> list_features(const FeatureSource& source, std::vector<std::
     list.first_part = std::move(first_part);
     if (!list.is_collection) list.first_part = {0};
     list.first_part.push_back(parts);
+    if (choice != nullptr && choice->all) {
+        if (auto readable = check_readable(source, {}, option); !readable) return tl::unexpected(readable.error());
+    } else if (choice != nullptr) {
+        if (auto found = check_names(source, choice->names, option); !found) return tl::unexpected(found.error());
+    }
     std::optional<Collector> collector;
     if (choice != nullptr) collector.emplace(*choice, option);
-    const auto add = [&](JsonValue feature) -> Result<void> {
+    for (const JsonValue feature : source.features) {
         list.ids.push_back(id_of(feature));
-        return collector ? collector->add(feature, list.pointer_to(list.size() - 1)) : Result<void>();
-    };
-    if (!list.is_collection) {
-        if (auto added = add(source.value); !added) return tl::unexpected(added.error());
-    } else {
-        for (const JsonValue feature : source.value) {
-            if (auto added = add(feature); !added) return tl::unexpected(added.error());
-        }
+        if (!collector) continue;
+        if (auto added = collector->add(feature, list.pointer_to(list.size() - 1)); !added)
+            return tl::unexpected(added.error());
     }
-    if (!collector) return list;
-    return collector->take().map([&](CarriedProperties&& carried) {
-        list.carried = std::move(carried);
-        return std::move(list);
-    });
+    if (collector) list.carried = collector->take();
+    return list;
 }
 
 Result<void> check_size(const CarriedProperties& carried, const std::vector<std::size_t>& points,

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -52,9 +53,14 @@ struct CarriedProperties {
 
 /// The features of a document, as JSON values.
 struct FeatureSource {
-    JsonValue value;      ///< the list of features, or a single feature
-    std::string pointer;  ///< JSON Pointer to `value`
+    std::vector<JsonValue> features;
+    std::string pointer;  ///< JSON Pointer to the list of features, or to the single feature
     bool is_collection = true;
+    /// Properties whose texts could not be read from a shapefile (read_shapefile()): an object with the reasons.
+    std::optional<JsonValue> unreadable = {};
+
+    /// Returns the JSON Pointer to a feature.
+    std::string pointer_to(std::size_t feature) const;
 };
 
 /// Finds the features of GeoJSON that read_geometry() has read: the features of a FeatureCollection, or a single
@@ -84,6 +90,16 @@ struct FeatureList {
 /// Errors: Malformed if they are neither an object nor null.
 Result<std::optional<JsonValue>> properties_of(JsonValue feature, const std::string& pointer);
 
+/// Checks that features have properties with these names. The values may be null.
+/// @param option  field of errors
+/// Errors: Malformed for a name that no feature has; the message lists the names of all properties. Unusable for a
+/// property whose texts could not be read.
+Result<void> check_names(const FeatureSource& source, std::span<const std::string> names, const std::string& option);
+
+/// Lists the names of the properties that features have, as the end of a message.
+/// @param wanted  a name that no feature has; a similar name is suggested. Empty: none
+std::string describe_properties(const FeatureSource& source, std::string_view wanted = {});
+
 /// Lists features, with the properties that their points carry.
 ///
 /// @param first_part  [features] index of each feature's first part, as in PolygonInput; ignored for a single Feature
@@ -92,7 +108,7 @@ Result<std::optional<JsonValue>> properties_of(JsonValue feature, const std::str
 /// @param option      JSON Pointer to the option that chose the properties, or the option's name, for errors
 /// Answers have columns and members of their own: x, y, rank, feature, feature_id, class, color, sites. A property with
 /// one of these names gets one or more underscores at the end of its name.
-/// Errors: Malformed for properties that are neither an object nor null, and for a chosen name that no feature has;
+/// Errors: Malformed for properties that are neither an object nor null; those of check_names() for the chosen names;
 /// LimitExceeded for more than PropertyChoice::kMax different names, or more than CarriedProperties::kMaxOfFeature
 /// bytes in a feature.
 Result<FeatureList> list_features(const FeatureSource& source, std::vector<std::size_t> first_part, std::size_t parts,

@@ -190,6 +190,14 @@ std::string excerpt(std::string_view text) {
     return result;
 }
 
+std::string join_names(std::span<const std::string> names) {
+    constexpr std::size_t kMax = 10;
+    std::string list;
+    for (std::size_t i = 0; i < std::min(names.size(), kMax); ++i)
+        list.append(i == 0 ? "" : ", ").append(excerpt(names[i]));
+    return names.size() > kMax ? list + " and others" : list;
+}
+
 std::vector<Input> inputs_of(const std::vector<TextOption>& options) {
     std::vector<Input> inputs;
     inputs.reserve(options.size());

@@ -101,6 +101,9 @@ Error error_below(Error error, std::string_view pointer);
 /// Shortens text from a client to its first 64 bytes, for use in messages. Control characters become spaces.
 std::string excerpt(std::string_view text);
 
+/// Lists names from a client, for use in messages: excerpts of the first ten, with commas between them.
+std::string join_names(std::span<const std::string> names);
+
 /// Lists options that are given as text. The inputs refer to memory of the options.
 std::vector<Input> inputs_of(const std::vector<TextOption>& options);
 

@@ -2,6 +2,7 @@
 #include "api/input/polygon_reader.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <iterator>
 #include <optional>
@@ -15,6 +16,11 @@ enum class Ordinates { Two, TwoOrMore };
 tl::unexpected<Error> wrong(const std::string& pointer, std::string_view what) {
     const std::string subject = pointer.empty() ? "the body" : pointer;
     return failure(ErrorCode::Malformed, subject + ' ' + std::string(what), pointer);
+}
+
+tl::unexpected<Error> not_a_polygon(const std::string& pointer, std::string_view type) {
+    return wrong(pointer, "must be a Polygon, a MultiPolygon, a Feature of one, or a collection of these, not a " +
+                              excerpt(type));
 }
 
 Input element_of(const Input& parent, std::size_t index, JsonValue value) {
@@ -71,28 +77,15 @@ Result<std::vector<Ring>> read_ring_list(const Input& input, Ordinates ordinates
                            [=](const Input& ring) { return read_positions(ring, ordinates); });
 }
 
+/// Reads a list of rings. The outer ring is empty if there is none.
 Result<PolygonPart> read_part(const Input& input) {
     auto rings = read_ring_list(input, Ordinates::TwoOrMore);
     if (!rings) return tl::unexpected(rings.error());
-    if (rings->empty()) return failure(ErrorCode::Unusable, input.field + " is an empty polygon", input.field);
-    PolygonPart part{std::move(rings->front()), {}};
+    PolygonPart part;
+    if (rings->empty()) return part;
+    part.outer = std::move(rings->front());
     part.holes.assign(std::move_iterator(rings->begin() + 1), std::move_iterator(rings->end()));
     return part;
-}
-
-Result<std::vector<PolygonPart>> read_parts(const Input& input, PolygonInput::Nesting nesting) {
-    if (nesting == PolygonInput::Nesting::MultiPolygon) {
-        auto parts = read_each<PolygonPart>(input, "must be a list of polygons", read_part);
-        if (parts && parts->empty()) {
-            return failure(ErrorCode::Unusable, input.field + " contains no polygon", input.field);
-        }
-        return parts;
-    }
-    return read_part(input).map([](PolygonPart&& part) {
-        std::vector<PolygonPart> parts;
-        parts.push_back(std::move(part));
-        return parts;
-    });
 }
 
 Result<std::string_view> read_type(const Input& object) {
@@ -103,16 +96,20 @@ Result<std::string_view> read_type(const Input& object) {
 Result<void> append_polygons(const Input& object, PolygonInput::Nesting nesting, PolygonInput& polygon) {
     const auto coordinates = require(object, "coordinates");
     if (!coordinates) return tl::unexpected(coordinates.error());
-    auto parts = read_parts(*coordinates, nesting);
-    if (!parts) return tl::unexpected(parts.error());
-    polygon.sources.push_back({polygon.parts.size(), nesting, coordinates->field});
-    std::ranges::move(*parts, std::back_inserter(polygon.parts));
+    std::vector<PolygonPart> parts;
+    if (nesting == PolygonInput::Nesting::Polygon) {
+        if (auto read = assign(parts.emplace_back(), read_part(*coordinates)); !read) return read;
+    } else {
+        auto list = read_each<PolygonPart>(*coordinates, "must be a list of polygons", read_part);
+        if (auto read = assign(parts, std::move(list)); !read) return read;
+    }
+    polygon.append({nesting, coordinates->field}, std::move(parts), object.field);
     return {};
 }
 
 Result<void> append_geometry(const Input& object, PolygonInput& polygon);
 
-/// Appends the geometries of all elements of a member, except for features whose geometry is null.
+/// Appends the geometries of all elements of a member.
 Result<void> append_each(const Input& collection, std::string_view member, PolygonInput& polygon) {
     const auto list = require(collection, member);
     if (!list) return tl::unexpected(list.error());
@@ -121,13 +118,17 @@ Result<void> append_each(const Input& collection, std::string_view member, Polyg
     std::vector<std::size_t> first_parts;
     for (const JsonValue element : json_of(*list)) {
         first_parts.push_back(polygon.parts.size());
-        const auto geometry = element.is_object() ? element.find("geometry") : std::nullopt;
-        if (!geometry || !geometry->is_null()) {
-            if (auto read = append_geometry(element_of(*list, index, element), polygon); !read) return read;
-        }
-        ++index;
+        if (auto read = append_geometry(element_of(*list, index++, element), polygon); !read) return read;
     }
     if (member == "features") polygon.features = std::move(first_parts);
+    return {};
+}
+
+Result<void> append_feature(const Input& feature, PolygonInput& polygon) {
+    const auto geometry = require(feature, "geometry");
+    if (!geometry) return tl::unexpected(geometry.error());
+    if (!json_of(*geometry).is_null()) return append_geometry(*geometry, polygon);
+    polygon.omit("null", geometry->field);
     return {};
 }
 
@@ -140,13 +141,9 @@ Result<void> append_geometry(const Input& object, PolygonInput& polygon) {
     if (*type == "MultiPolygon") return append_polygons(object, Nesting::MultiPolygon, polygon);
     if (*type == "GeometryCollection") return append_each(object, "geometries", polygon);
     if (*type == "FeatureCollection") return append_each(object, "features", polygon);
-    if (*type == "Feature") {
-        return require(object, "geometry").and_then([&](const Input& geometry) {
-            return append_geometry(geometry, polygon);
-        });
-    }
-    return wrong(object.field, "must be a Polygon, a MultiPolygon, a Feature of one, or a collection of these, not a " +
-                                   excerpt(*type));
+    if (*type == "Feature") return append_feature(object, polygon);
+    if (polygon.omit(*type, object.field)) return {};
+    return not_a_polygon(object.field, *type);
 }
 
 /// Removes and returns the number at the front of a field such as `/3/0/17`.
@@ -177,6 +174,37 @@ std::string_view without_added(std::string_view field, const std::vector<Polygon
 
 }  // namespace
 
+bool PolygonInput::omit(std::string_view kind, const std::string& pointer) {
+    constexpr auto kKinds =
+        std::to_array<std::string_view>({"null", "empty", "Point", "MultiPoint", "LineString", "MultiLineString"});
+    const auto* const known = std::ranges::find(kKinds, kind);
+    if (known == kKinds.end()) return false;
+    auto same = std::ranges::find(omitted, kind, &Omitted::kind);
+    if (same == omitted.end()) same = omitted.insert(same, {*known, pointer});
+    ++same->count;
+    return true;
+}
+
+void PolygonInput::append(Source source, std::vector<PolygonPart> geometry, const std::string& pointer) {
+    const std::size_t before = parts.size();
+    bool is_next = false;  // whether the last source has the part before this one
+    for (std::size_t i = 0; i < geometry.size(); ++i) {
+        const bool is_kept = !geometry[i].outer.empty();
+        if (is_kept && !is_next) sources.push_back({source.nesting, source.coordinates, parts.size(), i});
+        if (is_kept) parts.push_back(std::move(geometry[i]));
+        is_next = is_kept;
+    }
+    if (parts.size() == before) omit("empty", pointer);
+}
+
+Result<void> PolygonInput::check(const Input& input) const {
+    if (!parts.empty()) return {};
+    const auto other =
+        std::ranges::find_if(omitted, [](const Omitted& each) { return each.kind != "null" && each.kind != "empty"; });
+    if (other != omitted.end()) return not_a_polygon(other->first, other->kind);
+    return failure(ErrorCode::Unusable, input.name + " contains no polygon", input.field);
+}
+
 std::size_t PolygonInput::corner_count() const {
     std::size_t count = 0;
     for (const auto& part : parts) {
@@ -195,18 +223,18 @@ std::string PolygonInput::pointer_to(std::string_view field) const {
     const Source& source = *std::prev(after);
     switch (source.nesting) {
         case Nesting::Rings: {
-            std::string pointer = pointer_below(source.coordinates, part - source.first_part);
+            std::string pointer = pointer_below(source.coordinates, source.index_of(part));
             if (!field.empty()) take_index(field);  // the part's only ring
             return pointer.append(field);
         }
         case Nesting::Polygon:
             return source.coordinates + std::string(field);
         case Nesting::MultiPolygon:
-            return pointer_below(source.coordinates, part - source.first_part) + std::string(field);
+            return pointer_below(source.coordinates, source.index_of(part)) + std::string(field);
         case Nesting::ArcsOfPolygon:
             return source.coordinates + ring_of(field);
         case Nesting::ArcsOfMultiPolygon:
-            return pointer_below(source.coordinates, part - source.first_part) + ring_of(field);
+            return pointer_below(source.coordinates, source.index_of(part)) + ring_of(field);
         case Nesting::Members:
             break;
     }
@@ -236,21 +264,22 @@ bool is_geojson(JsonValue value) {
 
 Result<PolygonInput> read_geometry(const Input& input) {
     PolygonInput polygon{{}, {}};
-    if (auto read = append_geometry(input, polygon); !read) return tl::unexpected(read.error());
-    if (polygon.parts.empty()) return failure(ErrorCode::Unusable, input.name + " contains no polygon", input.field);
-    return polygon;
+    auto checked = append_geometry(input, polygon).and_then([&] { return polygon.check(input); });
+    return std::move(checked).map([&] { return std::move(polygon); });
 }
 
 Result<PolygonInput> read_areas(const Input& input) {
     PolygonInput areas{{}, {}};
     if (!json_of(input).is_array()) {
         if (auto read = append_geometry(input, areas); !read) return tl::unexpected(read.error());
+        const auto checked = areas.check(input);
+        if (!checked && checked.error().code == ErrorCode::Malformed) return tl::unexpected(checked.error());
         return areas;
     }
     auto rings = read_rings(input);
     if (!rings) return tl::unexpected(rings.error());
     for (Ring& ring : *rings) areas.parts.push_back({std::move(ring), {}});
-    areas.sources.push_back({0, PolygonInput::Nesting::Rings, input.field});
+    areas.sources.push_back({PolygonInput::Nesting::Rings, input.field});
     return areas;
 }
 

@@ -26,11 +26,23 @@ struct PolygonInput {
 
     static constexpr std::size_t kMaxCorners = 1'000'000;
 
-    /// Location of one geometry. Its parts are those from `first_part` up to the first part of the next source.
+    /// Location of one geometry, or of some of its parts. The parts are those from `first_part` up to the first part of
+    /// the next source.
     struct Source {
-        std::size_t first_part = 0;
         Nesting nesting = Nesting::Members;
-        std::string coordinates;  ///< JSON Pointer to the coordinates, or to the list of rings; not used for Members
+        std::string coordinates =
+            {};  ///< JSON Pointer to the coordinates or to the list of rings; not used for Members
+        std::size_t first_part = 0;
+        std::size_t first_index = 0;  ///< index of the first part in the geometry
+
+        std::size_t index_of(std::size_t part) const { return part - first_part + first_index; }
+    };
+
+    /// Geometries of one kind that have no polygon, and are left out.
+    struct Omitted {
+        std::string_view kind;  ///< `null`, `empty`, or the type of points or lines
+        std::string first;      ///< JSON Pointer to the first of these geometries
+        std::size_t count = 0;
     };
 
     std::vector<PolygonPart> parts;
@@ -38,6 +50,17 @@ struct PolygonInput {
     /// [features] index of the first part of each feature of a FeatureCollection. A feature without parts has the index
     /// of the first part that follows.
     std::vector<std::size_t> features = {};
+    std::vector<Omitted> omitted = {};
+
+    /// Appends the parts of a geometry, except for parts whose outer ring is empty.
+    /// @param pointer  JSON Pointer to the geometry
+    void append(Source source, std::vector<PolygonPart> geometry, const std::string& pointer);
+
+    /// Counts a geometry that has no polygon. Returns false for a kind that is none of those of Omitted.
+    bool omit(std::string_view kind, const std::string& pointer);
+
+    /// Checks that there is a polygon. Errors: Malformed if there are points or lines instead; otherwise Unusable.
+    Result<void> check(const Input& input) const;
 
     std::size_t corner_count() const;
 
@@ -64,9 +87,9 @@ Result<std::vector<Ring>> read_rings(const Input& input);
 bool is_geojson(JsonValue value);
 
 /// Reads GeoJSON (RFC 7946): a Polygon, a MultiPolygon, a Feature with one of these, or a GeometryCollection or
-/// FeatureCollection of them. All their parts together form the polygon. Ignores ordinates after the second, members
-/// that are not geometry, and features of a collection if their geometry is null.
-/// Errors: Malformed, with a JSON Pointer to the faulty value; Unusable if there is no polygon.
+/// FeatureCollection of them. All their parts together form the polygon. Ignores ordinates after the second, and
+/// members that are not geometry. Leaves out geometries that are null, empty, points or lines, and counts them. Errors:
+/// Malformed, with a JSON Pointer to the faulty value; those of PolygonInput::check().
 Result<PolygonInput> read_geometry(const Input& input);
 
 /// Reads areas: a list of rings, each of which becomes a part, or GeoJSON as in read_geometry(). The result may have no

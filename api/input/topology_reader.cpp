@@ -107,9 +107,7 @@ public:
 
     Result<PolygonInput> execute(const Input& object) {
         if (auto read = read_object(object, true); !read) return tl::unexpected(read.error());
-        if (polygon_.parts.empty())
-            return failure(ErrorCode::Unusable, object.name + " contains no polygon", object.field);
-        return std::move(polygon_);
+        return polygon_.check(object).map([&] { return std::move(polygon_); });
     }
 
 private:
@@ -120,20 +118,27 @@ private:
         if (!json_of(object).is_object()) return malformed(object, "must be an object of TopoJSON");
         const auto type = require(object, "type");
         if (!type) return tl::unexpected(type.error());
-        if (json_of(*type).is_null()) return {};
+        if (json_of(*type).is_null()) {
+            polygon_.omit("null", object.field);
+            return {};
+        }
         const auto name = read_text(*type);
         if (!name) return tl::unexpected(name.error());
         if (*name == "GeometryCollection") return read_collection(object, is_root);
         const bool is_multiple = *name == "MultiPolygon";
+        if (!is_multiple && *name != "Polygon" && polygon_.omit(*name, object.field)) return {};
         if (!is_multiple && *name != "Polygon")
             return malformed(
                 object, "must be a Polygon, a MultiPolygon or a GeometryCollection of these, not a " + excerpt(*name));
         const auto arcs = require(object, "arcs");
         if (!arcs) return tl::unexpected(arcs.error());
-        polygon_.sources.push_back(
-            {polygon_.parts.size(), is_multiple ? Nesting::ArcsOfMultiPolygon : Nesting::ArcsOfPolygon, arcs->field});
-        if (!is_multiple) return read_part(*arcs);
-        return for_each(*arcs, "must be a list of polygons", [&](const Input& part) { return read_part(part); });
+        std::vector<PolygonPart> parts;
+        const auto append = [&](const Input& rings) { return read_part(rings, parts.emplace_back()); };
+        auto read = is_multiple ? for_each(*arcs, "must be a list of polygons", append) : append(*arcs);
+        if (!read) return read;
+        polygon_.append({is_multiple ? Nesting::ArcsOfMultiPolygon : Nesting::ArcsOfPolygon, arcs->field},
+                        std::move(parts), object.field);
+        return {};
     }
 
     Result<void> read_collection(const Input& object, bool is_root) {
@@ -148,16 +153,12 @@ private:
         return read;
     }
 
-    Result<void> read_part(const Input& rings) {
-        PolygonPart part;
+    /// Reads a list of rings. The outer ring stays empty if there is none.
+    Result<void> read_part(const Input& rings, PolygonPart& part) {
         bool is_outer = true;
-        auto read = for_each(rings, "must be a list of rings", [&](const Input& ring) {
+        return for_each(rings, "must be a list of rings", [&](const Input& ring) {
             return read_ring(ring, std::exchange(is_outer, false) ? part.outer : part.holes.emplace_back());
         });
-        if (!read) return read;
-        if (is_outer) return failure(ErrorCode::Unusable, rings.field + " is an empty polygon", rings.field);
-        polygon_.parts.push_back(std::move(part));
-        return {};
     }
 
     /// Joins arcs to a ring. Each arc must begin at the last position of the previous arc.
@@ -214,14 +215,9 @@ private:
 };
 
 std::string names_of(JsonValue objects) {
-    constexpr std::size_t kMax = 10;
-    std::string names;
-    std::size_t count = 0;
-    for (const auto& [name, value] : objects.members()) {
-        if (count++ == kMax) return names + " and others";
-        names.append(names.empty() ? "" : ", ").append(excerpt(name));
-    }
-    return names;
+    std::vector<std::string> names;
+    for (const auto& [name, value] : objects.members()) names.emplace_back(name);
+    return join_names(names);
 }
 
 }  // namespace

@@ -19,10 +19,11 @@ bool is_topology(JsonValue value);
 Result<Input> find_object(const Input& topology, const std::optional<std::string>& name);
 
 /// Reads an object of a TopoJSON document: a Polygon, a MultiPolygon, or a GeometryCollection of these. The geometries
-/// of a collection are features. Arcs may be quantized. A geometry whose type is null has no polygons.
+/// of a collection are features. Arcs may be quantized. Leaves out geometries like read_geometry(); the type of a null
+/// geometry is null.
 ///
 /// @param object  result of find_object()
-/// Errors: Malformed, with a JSON Pointer to the faulty value; Unusable if there is no polygon; LimitExceeded for more
+/// Errors: Malformed, with a JSON Pointer to the faulty value; those of PolygonInput::check(); LimitExceeded for more
 /// than PolygonInput::kMaxCorners corners.
 /// Source: the TopoJSON format specification, version 1.0.
 Result<PolygonInput> read_topology(const Input& topology, const Input& object);

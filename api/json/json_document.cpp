@@ -7,10 +7,24 @@
 
 #include <nlohmann/json.hpp>
 
+#include "api/text/byte_order_mark.h"
 #include "api/text/numbers.h"
+#include "api/text/text.h"
 
 namespace ccdt::api {
 namespace {
+
+constexpr char kRecordSeparator = '\x1E';  // RFC 8142
+constexpr std::string_view kBlanks = " \t\r\n";
+constexpr std::string_view kBetweenTexts = " \t\r\n\x1E";
+
+/// Greatest integer up to which doubles hold all integers.
+constexpr std::int64_t kMaxExact = std::int64_t{1} << 53;
+
+/// Whether a number is an integer without an exponent. Integers that have more than 64 bits are floats for the library.
+bool is_long_integer(std::string_view number) {
+    return number.find_first_not_of("-0123456789") == std::string_view::npos;
+}
 
 /// @param position  position of the error, counted from 1
 tl::unexpected<Error> invalid_at(std::size_t position) {
@@ -27,9 +41,15 @@ public:
 
     bool null() { return add(Kind::Null, 0); }
     bool boolean(bool value) { return add(Kind::Boolean, value ? 1 : 0); }
-    bool number_integer(std::int64_t value) { return add_number(static_cast<double>(value)); }
-    bool number_unsigned(std::uint64_t value) { return add_number(static_cast<double>(value)); }
-    bool number_float(double value, const std::string&) { return add_number(value); }
+    bool number_integer(std::int64_t value) {
+        return value < -kMaxExact ? add_long_integer(std::to_string(value)) : add_number(static_cast<double>(value));
+    }
+    bool number_unsigned(std::uint64_t value) {
+        return value > kMaxExact ? add_long_integer(std::to_string(value)) : add_number(static_cast<double>(value));
+    }
+    bool number_float(double value, const std::string& text) {
+        return is_long_integer(text) ? add_long_integer(text) : add_number(value);
+    }
     bool string(std::string& value) { return add_text(value); }
     bool key(std::string& value) { return add_text(value); }
     bool binary(nlohmann::json::binary_t&) { return fail(ErrorCode::Malformed, "the body is not JSON text"); }
@@ -40,8 +60,42 @@ public:
     bool end_object() { return names_differ() && close(2); }
 
     bool parse_error(std::size_t position, const std::string&, const nlohmann::json::exception&) {
-        error_ = invalid_at(position).value();
+        stopped_at_ = start_ + position;
+        error_ = invalid_at(stopped_at_).value();
         return false;
+    }
+
+    /// Reads the value at a position of a text.
+    /// @returns  position of an object or a record separator directly after the value; none at the end of the text and
+    ///           after errors
+    std::optional<std::size_t> read(std::string_view text, std::size_t start) {
+        const std::size_t levels = open_.size(), before = document_.nodes_.size();
+        start_ = start;
+        stopped_at_ = 0;
+        nlohmann::json::sax_parse(text.begin() + static_cast<std::ptrdiff_t>(start), text.end(), this);
+        const bool is_complete = open_.size() == levels && document_.nodes_.size() > before;
+        if (stopped_at_ == 0 || !is_complete) return std::nullopt;
+        const std::size_t next = stopped_at_ - 1;
+        if (next >= text.size() || (text[next] != '{' && text[next] != kRecordSeparator)) return std::nullopt;
+        error_.reset();
+        return next;
+    }
+
+    /// Reads a sequence of values as the features of a FeatureCollection.
+    void read_features(std::string_view text, std::size_t start) {
+        std::string type = "type", collection = "FeatureCollection", features = "features";
+        start_object(0);
+        key(type);
+        string(collection);
+        key(features);
+        start_array(0);
+        for (std::optional<std::size_t> at = start; at;) {
+            *at = text.find_first_not_of(kBetweenTexts, *at);
+            at = *at == std::string_view::npos ? std::nullopt : read(text, *at);
+        }
+        if (error_) return;
+        end_array();
+        end_object();
     }
 
     Result<JsonDocument> take() {
@@ -61,6 +115,13 @@ private:
     }
 
     bool add_number(double value) { return add(Kind::Number, std::bit_cast<std::uint64_t>(value)); }
+
+    /// Adds an integer that a double may not hold.
+    bool add_long_integer(std::string_view digits) {
+        const std::size_t at = document_.digits_.size();
+        document_.digits_.append(digits) += ' ';
+        return add(Kind::LongInteger, at);
+    }
 
     bool add_text(std::string& value) {
         document_.texts_.push_back(std::move(value));
@@ -110,13 +171,27 @@ private:
     JsonDocument document_;
     std::vector<std::uint32_t> open_;  ///< indices of the arrays and objects that are not closed yet
     std::optional<Error> error_;
+    std::size_t start_ = 0;       ///< position in the text of the value that is being read
+    std::size_t stopped_at_ = 0;  ///< position of the first invalid byte, counted from 1; 0: none
 };
 
 Result<JsonDocument> JsonDocument::parse(std::string_view text) {
     // The library treats a NUL as the end of the text.
     if (const auto nul = text.find('\0'); nul != std::string_view::npos) return invalid_at(nul + 1);
     JsonBuilder builder;
-    nlohmann::json::sax_parse(text.begin(), text.end(), &builder);
+    if (const auto next = builder.read(text, 0)) return invalid_at(*next + 1);
+    return builder.take();
+}
+
+Result<JsonDocument> JsonDocument::parse_features(std::string_view text) {
+    if (const auto nul = text.find('\0'); nul != std::string_view::npos) return invalid_at(nul + 1);
+    const std::size_t start = text.size() - without_byte_order_mark(text).size();
+    if (!trim(text.substr(start), kBlanks).starts_with(kRecordSeparator)) {
+        JsonBuilder builder;
+        if (!builder.read(text, start)) return builder.take();
+    }
+    JsonBuilder builder;
+    builder.read_features(text, start);
     return builder.take();
 }
 
@@ -125,7 +200,13 @@ JsonValue JsonDocument::root() const {
 }
 
 double JsonValue::number() const {
+    if (is_long_integer()) return parse_number<double>(digits()).value_or(0);
     return std::bit_cast<double>(node().payload);
+}
+
+std::string_view JsonValue::digits() const {
+    const std::string_view all = std::string_view(document_->digits_).substr(size());
+    return all.substr(0, all.find(' '));
 }
 
 JsonValue::Iterator JsonValue::begin() const {
@@ -160,6 +241,8 @@ void append_json(std::string& out, JsonValue value) {
         out += "null";
     } else if (value.is_boolean()) {
         out += value.boolean() ? "true" : "false";
+    } else if (value.is_long_integer()) {
+        out += value.digits();
     } else if (value.is_number()) {
         append_shortest(out, value.number());
     } else if (value.is_string()) {

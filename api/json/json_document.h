@@ -25,6 +25,12 @@ public:
     /// an object with two members of the same name; LimitExceeded for more than kMaxValues values.
     static Result<JsonDocument> parse(std::string_view text);
 
+    /// Parses GeoJSON, after a byte order mark of UTF-8 if there is one. A sequence of objects becomes the features of
+    /// a FeatureCollection: objects that each begin after a record separator (RFC 8142), or objects one after the
+    /// other, as in newline-delimited GeoJSON. Blanks and empty lines between them are ignored. Errors: those of
+    /// parse().
+    static Result<JsonDocument> parse_features(std::string_view text);
+
     /// Returns the value of the whole text. The document must outlive the value and must not move.
     JsonValue root() const;
 
@@ -32,20 +38,22 @@ private:
     friend class JsonValue;
     friend class JsonBuilder;
 
-    enum class Kind : std::uint8_t { Null, Boolean, Number, String, Array, Object };
+    enum class Kind : std::uint8_t { Null, Boolean, Number, LongInteger, String, Array, Object };
 
     struct Node {
-        std::uint64_t payload = 0;  ///< bits of a double, a boolean, an index into texts_, or the number of elements
-        std::uint32_t end = 0;      ///< index of the first node after this one and its descendants
+        /// Bits of a double, a boolean, an index into texts_, a position in digits_, or the number of elements.
+        std::uint64_t payload = 0;
+        std::uint32_t end = 0;  ///< index of the first node after this one and its descendants
         Kind kind = Kind::Null;
     };
 
     std::vector<Node> nodes_;
     std::vector<std::string> texts_;
+    std::string digits_;  ///< all long integers, each with a blank after it
 };
 
-/// A value in a JsonDocument. Small; pass it by value. boolean(), number(), text() and the accessors of arrays and
-/// objects require a value of their type.
+/// A value in a JsonDocument. Small; pass it by value. boolean(), number(), digits(), text() and the accessors of
+/// arrays and objects require a value of their type.
 class JsonValue {
 public:
     class Iterator;
@@ -53,13 +61,16 @@ public:
 
     bool is_null() const { return node().kind == JsonDocument::Kind::Null; }
     bool is_boolean() const { return node().kind == JsonDocument::Kind::Boolean; }
-    bool is_number() const { return node().kind == JsonDocument::Kind::Number; }
+    bool is_number() const { return node().kind == JsonDocument::Kind::Number || is_long_integer(); }
+    /// Whether the value is an integer above 2^53 in magnitude. number() may round it; digits() does not.
+    bool is_long_integer() const { return node().kind == JsonDocument::Kind::LongInteger; }
     bool is_string() const { return node().kind == JsonDocument::Kind::String; }
     bool is_array() const { return node().kind == JsonDocument::Kind::Array; }
     bool is_object() const { return node().kind == JsonDocument::Kind::Object; }
 
     bool boolean() const { return node().payload != 0; }
     double number() const;
+    std::string_view digits() const;
     const std::string& text() const { return document_->texts_[node().payload]; }
 
     /// Returns the number of elements of an array, or of members of an object.
@@ -107,7 +118,8 @@ struct JsonValue::Member {
     JsonValue value;
 };
 
-/// Appends a value as JSON text. Numbers have the fewest digits that read back to the same double.
+/// Appends a value as JSON text. Integers keep all their digits. Other numbers have the fewest digits that read back to
+/// the same double.
 void append_json(std::string& out, JsonValue value);
 
 /// Appends a text as a JSON string. Replaces bytes that are not UTF-8.

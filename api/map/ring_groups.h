@@ -16,9 +16,8 @@ namespace ccdt::api {
 /// @returns  for each polygon the indices of its rings, the outer ring first; polygons, and holes within a polygon,
 ///           keep the order of the rings
 ///
-/// If the bounding box of a hole lies in the bounding box of only one outer ring, the hole is assigned to this ring
-/// without further tests. O(corners + rings * sqrt(outer rings)) if rings are small compared to the shape. If the boxes
-/// of several outer rings contain the box of a hole, each test of such a ring takes O(its corners) in addition.
+/// Rings may touch, but should not cross. A ring contains a hole if it has at least the hole's area and contains a
+/// point inside the hole. O(corners * log corners), plus the number of edges of outer rings at the height of each hole.
 /// Source: ESRI Shapefile Technical Description, 1998, page 8.
 std::vector<std::vector<std::size_t>> group_rings(std::span<const Ring> rings);
 

@@ -12,6 +12,7 @@
 #include "api/input/option_reader.h"
 #include "api/input/polygon_reader.h"
 #include "api/map/zip_archive.h"
+#include "api/text/text.h"
 
 namespace ccdt::api {
 namespace {
@@ -20,14 +21,8 @@ tl::unexpected<Error> unusable(std::string message) {
     return failure(ErrorCode::Unusable, std::move(message));
 }
 
-std::string in_small_letters(std::string_view text) {
-    std::string small(text);
-    for (char& c : small) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    return small;
-}
-
 std::string_view without_folders(std::string_view path) {
-    return path.substr(path.rfind('/') + 1);
+    return path.substr(path.find_last_of("/\\") + 1);
 }
 
 /// Returns the paths of all shapefiles in an archive, without the file extension. Ignores the files in which macOS
@@ -43,18 +38,11 @@ std::vector<std::string> list_shapefiles(const ZipArchive& archive) {
     return paths;
 }
 
-std::string join_names(std::span<const std::string> names) {
-    constexpr std::size_t kMax = 10;
-    std::string list;
-    for (std::size_t i = 0; i < std::min(names.size(), kMax); ++i)
-        list.append(i == 0 ? "" : ", ").append(excerpt(names[i]));
-    return names.size() > kMax ? list + " and others" : list;
-}
-
 /// Chooses a shapefile by its path or its file name, without the extension.
 Result<std::string> choose_shapefile(const ZipArchive& archive, std::string_view object) {
     const auto paths = list_shapefiles(archive);
-    if (paths.empty()) return unusable("the archive contains no shapefile (.shp)");
+    if (paths.empty())
+        return unusable("the archive contains no shapefile (.shp); its files are " + join_names(archive.names()));
     std::vector<std::string> chosen;
     std::ranges::copy_if(paths, std::back_inserter(chosen), [object](const std::string& path) {
         return object.empty() || path == object || without_folders(path) == object;
@@ -70,16 +58,16 @@ Result<std::string> choose_shapefile(const ZipArchive& archive, std::string_view
                    "object");
 }
 
-/// Inflates the file with the given path and extension. Returns an empty text if there is no such file.
+/// Inflates the file with the given path and extension. Letters may differ in case, unless a path has the same case.
+/// Returns an empty text if there is no such file.
 Result<std::string> read_part(const ZipArchive& archive, std::string_view path, std::string_view ending,
                               std::size_t& budget) {
-    const std::string wanted = std::string(path) + std::string(ending);
     const auto& names = archive.names();
-    const auto is_wanted = [&](const std::string& name) {
-        return name.size() == wanted.size() && name.starts_with(path) &&
-               in_small_letters(name.substr(path.size())) == ending;
-    };
-    const auto found = std::ranges::find_if(names, is_wanted);
+    const std::string wanted = in_small_letters(path) + std::string(ending);
+    const auto is_wanted = [&](const std::string& name) { return in_small_letters(name) == wanted; };
+    const auto is_same = [&](const std::string& name) { return name.starts_with(path) && is_wanted(name); };
+    auto found = std::ranges::find_if(names, is_same);
+    if (found == names.end()) found = std::ranges::find_if(names, is_wanted);
     if (found == names.end()) return std::string();
     return archive.read(static_cast<std::size_t>(found - names.begin()), budget);
 }
@@ -155,8 +143,10 @@ Result<ShapefileParts> read_parts(std::string_view bytes, const ShapefileReading
     if (!path) return tl::unexpected(path.error());
     ShapefileParts parts;
     std::size_t budget = reading.max_bytes;
-    for (const auto& [ending, part] :
-         {std::pair(".shp", &ShapefileParts::shp), {".dbf", &ShapefileParts::dbf}, {".cpg", &ShapefileParts::cpg}}) {
+    for (const auto& [ending, part] : {std::pair(".shp", &ShapefileParts::shp),
+                                       {".dbf", &ShapefileParts::dbf},
+                                       {".cpg", &ShapefileParts::cpg},
+                                       {".prj", &ShapefileParts::prj}}) {
         auto read = read_part(*archive, *path, ending, budget);
         if (!read && read.error().code == ErrorCode::LimitExceeded)
             return too_many_bytes("the inflated files of the shapefile are larger", reading.max_bytes);

@@ -22,6 +22,7 @@ struct ShapefileParts {
     std::string shx;  ///< created from the .shp file, since the one in the archive may be missing or inconsistent
     std::string dbf;
     std::string cpg;
+    std::string prj;
 };
 
 /// Inflates the files of a shapefile in a zip archive, and checks that each record lies within the .shp file.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -112,31 +113,25 @@ OpenShapefile open_parts(const ShapefileParts& parts) {
 
 /// Field of the table of properties.
 struct Field {
+    int column = 0;
     std::string name;  ///< name of the field, as a JSON string
     char type = 'C';   ///< letter of the type in the .dbf file
 };
 
-/// Converts the texts of the table from their encoding to UTF-8.
-class Texts {
-public:
-    explicit Texts(const char* name) : name_(name == nullptr ? "" : name), page_(find_code_page(name_)) {}
+/// Whether a type of fields has texts that depend on the code page.
+bool is_text(char type) {
+    return type != 'N' && type != 'F' && type != 'L' && type != 'D';
+}
 
-    /// Appends a text as JSON. Errors: Unusable for a text in an encoding that is not supported.
-    Result<void> append(std::string& out, std::string_view text) const {
-        if (page_ || is_ascii(text)) {
-            append_json_text(out, to_utf8(text, page_.value_or(CodePage::Utf8)));
-            return {};
-        }
-        constexpr std::string_view kRead = "; supported are UTF-8, ISO-8859-1 and Windows-1252";
-        if (name_.empty())
-            return unusable("the .dbf file names no encoding: add a .cpg file that names it" + std::string(kRead));
-        return unusable("the encoding of the .dbf file, " + excerpt(name_) + ", is not supported" + std::string(kRead));
-    }
-
-private:
-    std::string name_;
-    std::optional<CodePage> page_;
-};
+/// Appends an integer as JSON, with all its digits. Returns false if the text is not an integer.
+bool append_integer(std::string& out, std::string_view text) {
+    const bool is_negative = text.starts_with('-');
+    if (is_negative || text.starts_with('+')) text.remove_prefix(1);
+    if (text.empty() || text.find_first_not_of("0123456789") != std::string_view::npos) return false;
+    text.remove_prefix(std::min(text.find_first_not_of('0'), text.size() - 1));
+    out.append(is_negative && text != "0" ? "-" : "").append(text);
+    return true;
+}
 
 /// Properties of the records, in the .dbf file.
 class Properties {
@@ -152,7 +147,7 @@ public:
         const auto length = static_cast<std::size_t>(info.nRecordLength);
         if (dbf.size() < header || (length > 0 && (dbf.size() - header) / length < records))
             return unusable("the .dbf file is truncated");
-        if (auto read = properties.read_fields(); !read) return tl::unexpected(read.error());
+        properties.read_fields();
         return properties;
     }
 
@@ -160,65 +155,99 @@ public:
         return DBFIsRecordDeleted(table_.get(), static_cast<int>(record)) != 0;
     }
 
+    /// Appends the names of fields that are left out, each with the reason, as a JSON object.
+    void append_unreadable(std::string& out) const {
+        char before = '{';
+        for (const auto& [name, reason] : unreadable_) {
+            out += std::exchange(before, ',');
+            out.append(name) += ':';
+            append_json_text(out, reason);
+        }
+        out += '}';
+    }
+
+    bool has_unreadable() const { return !unreadable_.empty(); }
+
     /// Appends the properties of a record as a JSON object.
     Result<void> append(std::string& out, std::size_t record) const {
         out += '{';
-        for (std::size_t i = 0; i < fields_.size(); ++i) {
-            out.append(i == 0 ? "" : ",").append(fields_[i].name) += ':';
+        for (const Field& field : fields_) {
+            out.append(&field == fields_.data() ? "" : ",").append(field.name) += ':';
             const int row = static_cast<int>(record);
-            const int column = static_cast<int>(i);
-            if (DBFIsAttributeNULL(table_.get(), row, column) != 0) {
+            if (DBFIsAttributeNULL(table_.get(), row, field.column) != 0) {
                 out += "null";
                 continue;
             }
-            const char* const value = DBFReadStringAttribute(table_.get(), row, column);
+            const char* const value = DBFReadStringAttribute(table_.get(), row, field.column);
             if (value == nullptr) return unusable("the .dbf file is truncated");
-            if (auto appended = append_value(out, fields_[i].type, value); !appended) return appended;
+            append_value(out, field.type, value);
         }
         out += '}';
         return {};
     }
 
 private:
-    explicit Properties(Table table) : table_(std::move(table)), texts_(DBFGetCodePage(table_.get())) {}
+    explicit Properties(Table table) : table_(std::move(table)) {
+        const char* const name = DBFGetCodePage(table_.get());
+        page_ = CodePage::find(trim(name == nullptr ? "" : name, " \t\r\n"));
+    }
 
-    Result<void> read_fields() {
+    /// Lists the fields. Leaves out fields whose name is taken, or whose name or texts are in an unknown encoding.
+    void read_fields() {
         for (int i = 0; i < DBFGetFieldCount(table_.get()); ++i) {
             std::array<char, XBASE_FLDNAME_LEN_READ + 1> name{};
             DBFGetFieldInfo(table_.get(), i, name.data(), nullptr, nullptr);
-            Field field{{}, DBFGetNativeFieldType(table_.get(), i)};
-            if (auto appended = texts_.append(field.name, name.data()); !appended) return appended;
-            if (std::ranges::find(fields_, field.name, &Field::name) != fields_.end())
-                return unusable("the .dbf file has two fields named " + field.name);
-            fields_.push_back(std::move(field));
+            Field field{i, {}, DBFGetNativeFieldType(table_.get(), i)};
+            append_json_text(field.name, utf8_of(name.data()));
+            const auto leave_out = [&](std::string_view reason) {
+                unreadable_.emplace(field.name,
+                                    "the field " + excerpt(field.name) + " cannot be read: " + std::string(reason));
+            };
+            const auto same = std::ranges::find(fields_, field.name, &Field::name);
+            if (same != fields_.end()) {
+                fields_.erase(same);
+                leave_out("the .dbf file has two fields of this name");
+            } else if (!page_ && !(is_ascii(name.data()) && (!is_text(field.type) || has_only_ascii(i)))) {
+                leave_out(page_.error().message);
+            } else if (!unreadable_.contains(field.name)) {
+                fields_.push_back(std::move(field));
+            }
         }
-        return {};
     }
 
+    /// Whether the texts of a column are pure ASCII.
+    bool has_only_ascii(int column) const {
+        for (int row = 0; row < table_->nRecords; ++row) {
+            const char* const value = DBFReadStringAttribute(table_.get(), row, column);
+            if (value != nullptr && !is_ascii(value)) return false;
+        }
+        return true;
+    }
+
+    std::string utf8_of(std::string_view text) const { return page_ ? page_->to_utf8(text) : std::string(text); }
+
     /// @param value  neither empty nor the null value of its type
-    Result<void> append_value(std::string& out, char type, std::string_view value) const {
+    void append_value(std::string& out, char type, std::string_view value) const {
         if (type == 'N' || type == 'F') {
+            if (append_integer(out, trim(value))) return;
             const auto number = parse_number<double>(trim(value));
-            if (number && std::isfinite(*number)) {
-                append_shortest(out, *number);
-                return {};
-            }
+            if (number && std::isfinite(*number)) return append_shortest(out, *number);
         }
         if (type == 'L') {
             const char c = value.front();
             out += c == 'T' || c == 't' || c == 'Y' || c == 'y' ? "true" : "false";
-            return {};
-        }
-        if (type == 'D' && value.size() == 8) {
+        } else if (type == 'D' && value.size() == 8) {
             const std::string day(value);
-            return texts_.append(out, day.substr(0, 4) + '-' + day.substr(4, 2) + '-' + day.substr(6));
+            append_json_text(out, day.substr(0, 4) + '-' + day.substr(4, 2) + '-' + day.substr(6));
+        } else {
+            append_json_text(out, utf8_of(value));
         }
-        return texts_.append(out, value);
     }
 
     Table table_;
-    Texts texts_;
+    Result<CodePage> page_ = tl::unexpected(Error{});  ///< encoding of the texts, or why it is unknown
     std::vector<Field> fields_;
+    std::map<std::string, std::string> unreadable_;  ///< names of fields that are left out, as JSON, and the reasons
 };
 
 struct DestroyShape {
@@ -240,8 +269,20 @@ public:
     Writer(const OpenShapefile& open, const Properties* properties, std::size_t max_bytes, const TakeText& take)
         : shapes_(*open.shapes), properties_(properties), max_bytes_(max_bytes), take_(take) {}
 
-    Result<void> write() {
-        text_ = R"({"type":"FeatureCollection","features":[)";
+    /// @param system  well-known text of the reference system; empty if there is none
+    Result<void> write(std::string_view system) {
+        text_ = R"({"type":"FeatureCollection",)";
+        if (!system.empty()) {
+            text_ += R"("crs":{"type":"name","properties":{"name":)";
+            append_json_text(text_, system);
+            text_ += "}},";
+        }
+        if (properties_ != nullptr && properties_->has_unreadable()) {
+            text_ += R"("unreadable":)";
+            properties_->append_unreadable(text_);
+            text_ += ',';
+        }
+        text_ += R"("features":[)";
         bool is_first = true;
         for (std::size_t i = 0; i < static_cast<std::size_t>(shapes_.nRecords); ++i) {
             if (properties_ != nullptr && properties_->is_deleted(i)) continue;
@@ -366,7 +407,7 @@ Result<void> read_shapefile(std::string_view archive, const ShapefileReading& re
         if (!read) return tl::unexpected(read.error());
         properties = *std::move(read);
     }
-    return Writer(open, properties ? &*properties : nullptr, reading.max_bytes, take).write();
+    return Writer(open, properties ? &*properties : nullptr, reading.max_bytes, take).write(parts->prj);
 }
 
 }  // namespace ccdt::api

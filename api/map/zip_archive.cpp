@@ -6,6 +6,7 @@
 #include <zip.h>
 
 #include "api/input/option_reader.h"
+#include "api/text/file_kind.h"
 
 namespace ccdt::api {
 namespace {
@@ -46,6 +47,9 @@ ZipArchive::ZipArchive(struct zip* archive) : archive_(archive, zip_discard) {
 }
 
 Result<ZipArchive> ZipArchive::open(std::string_view bytes) {
+    const std::string_view kind = kind_of_file(bytes);
+    if (!kind.empty() && !bytes.starts_with("PK"))
+        return failure(ErrorCode::Unusable, "the body is not a zip archive, but seems to be " + std::string(kind));
     zip_error_t error;
     zip_error_init(&error);
     zip_source_t* const source = zip_source_buffer_create(bytes.data(), bytes.size(), 0, &error);

@@ -9,6 +9,7 @@
 #include "api/halftone/device_picture.h"
 #include "api/halftone/halftone.h"
 #include "api/halftone/halftone_cost.h"
+#include "api/operation/body_kind.h"
 #include "api/sample/pixel_sample.h"
 #include "api/sample/sample.h"
 #include "api/sample/sample_cost.h"
@@ -88,6 +89,13 @@ private:
     const Limits limits_;
 };
 
+/// Reads a request for a halftone whose body is the file of a picture.
+HalftoneInput read_picture(std::string_view body, const std::vector<TextOption>& options, const Limits& limits) {
+    if (body.empty() || recognise_image(body)) return read_halftone(body, options, limits);
+    return read_halftone(
+        failure(ErrorCode::Unsupported, "this is " + kind_of_body(body) + std::string(kPictureFormats)), options);
+}
+
 template <class Request>
 Result<ParsedPointer> pack(Result<Request> request, const Limits& limits) {
     if (!request) return tl::unexpected(std::move(request.error()));
@@ -99,9 +107,12 @@ Result<ParsedPointer> pack(Result<Request> request, const Limits& limits) {
 Result<ParsedPointer> parse_halftone_request(std::string_view body, HalftoneBody kind,
                                              const std::vector<TextOption>& options, std::string_view accept,
                                              const Limits& limits) {
+    constexpr std::string_view kAccepted = "pictures, and JSON with the member image";
     const auto input =
-        kind == HalftoneBody::Json ? read_halftone_json(body, options, limits) : read_halftone(body, options, limits);
-    if (!input) return tl::unexpected(input.error());
+        kind == HalftoneBody::Json ? read_halftone_json(body, options, limits) : read_picture(body, options, limits);
+    if (!input) return not_json(body, input.error(), kAccepted);
+    const std::string_view document = input->document ? kind_of_json(input->document->root()) : "";
+    if (!document.empty()) return wrong_body(document, kAccepted);
     if (input->has("device")) return pack(parse_device(*input, accept, limits), limits);
     return pack(parse_halftone(*input, accept, limits), limits);
 }
@@ -113,7 +124,7 @@ Result<ParsedPointer> parse_sample_request(std::string_view body, const std::vec
         if (asks_for_solid(options)) return pack(parse_solid(*std::move(file), options, accept, limits), limits);
         return pack(parse_surface(*std::move(file), options, accept, limits), limits);
     }
-    const auto document = JsonDocument::parse(body);
+    const auto document = parse_sample_document(body);
     if (!document) return tl::unexpected(document.error());
     const JsonValue root = document->root();
     if (asks_for_pixels(root)) return pack(parse_pixels(root, options, accept, limits), limits);
@@ -129,7 +140,14 @@ Result<ParsedPointer> parse_analyze_request(std::string_view body, const std::ve
     if (!options.empty())
         return failure(ErrorCode::Malformed, "the body is not a mesh, so the options must be members of its JSON",
                        options.front().name);
-    return pack(parse_analyze(body, accept, limits), limits);
+    auto request = parse_analyze(body, accept, limits);
+    if (request) return pack(std::move(request), limits);
+    constexpr std::string_view kAccepted = "JSON with the member points or sets, and a mesh with the option points";
+    if (const auto document = JsonDocument::parse(body)) {
+        const auto kind = kind_of_json(document->root());
+        return kind.empty() ? tl::unexpected(request.error()) : wrong_body(kind, kAccepted);
+    }
+    return not_json(body, request.error(), kAccepted);
 }
 
 }  // namespace ccdt::api

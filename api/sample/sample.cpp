@@ -27,10 +27,11 @@ void shift_into(const Box& box, std::vector<Point>& points) {
     for (Point& p : points) p.x += longitude_wrap_offset(p.x, box.min.x);
 }
 
-/// Adds a warning if coordinates look like degrees but are used as coordinates in a plane.
+/// Adds a warning if coordinates look like degrees but are used as coordinates in a plane. make_area() warns if the
+/// reference system is known.
 void warn_of_degrees(const SampleRegion& region, SampleArea& area) {
     const auto* polygon = std::get_if<PolygonInput>(&region.domain);
-    if (polygon == nullptr || !polygon->is_geojson() || region.is_on_globe()) return;
+    if (polygon == nullptr || !polygon->is_geojson() || region.is_on_globe() || region.system) return;
     if (const auto detail = warning_of_degrees(area.whole.bounds()))
         area.warnings.push_back({polygon->pointer_to({}), *detail});
 }

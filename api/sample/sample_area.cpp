@@ -2,11 +2,13 @@
 #include "api/sample/sample_area.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <string>
 #include <utility>
 #include <variant>
 
+#include "api/input/option_reader.h"
 #include "api/run/deadline.h"
 #include "api/sample/exclusions.h"
 #include "core/dotmap/confine.h"
@@ -18,6 +20,67 @@ namespace {
 /// Formats a number of points, such as "3 points".
 std::string points(std::size_t count) {
     return std::to_string(count) + (count == 1 ? " point" : " points");
+}
+
+/// Adds warnings about geometries that have no polygon. In a dot map, features without polygons have their own
+/// warnings.
+void warn_of_omitted(const PolygonInput& polygon, bool is_map, std::vector<Warning>& warnings) {
+    for (const auto& [kind, first, count] : polygon.omitted) {
+        const bool is_empty = kind == "null" || kind == "empty";
+        if (is_empty && is_map) continue;
+        std::string text = std::to_string(count) + (is_empty ? ' ' + std::string(kind) : "");
+        text += count == 1 ? " geometry is" : " geometries are";
+        text += " left out";
+        if (!is_empty) text += ": type " + std::string(kind) + ", but only polygons have an area";
+        warnings.push_back({first, std::move(text)});
+    }
+}
+
+/// Adds a warning if coordinates are longitudes and latitudes in the plane, or others on the globe.
+void warn_of_system(const SampleRequest& request, std::vector<Warning>& warnings) {
+    const auto& system = request.region.system;
+    if (!system || system->is_lonlat == request.region.is_on_globe()) return;
+    const std::string subject = "according to its reference system " + excerpt(system->name) + ", the map ";
+    warnings.push_back(
+        {request.field_of("coordinates"),
+         subject + (system->is_lonlat ? "has longitudes and latitudes: coordinates=lonlat spreads points evenly on the "
+                                        "earth's surface"
+                                      : "does not have longitudes and latitudes in degrees: coordinates should be "
+                                        "plane")});
+}
+
+/// Adds a warning if an edge of a ring on the globe follows a parallel around more than half of the globe, because the
+/// ring then takes the shorter way (unrolled()).
+void warn_of_long_edges(const PolygonInput& polygon, std::vector<Warning>& warnings) {
+    constexpr double kHalf = 180, kTurn = 360;
+    for (std::size_t part = 0; part < polygon.parts.size(); ++part) {
+        const Ring& ring = polygon.parts[part].outer;
+        for (std::size_t i = 0; i < ring.size(); ++i) {
+            const Point a = ring[i], b = ring[(i + 1) % ring.size()];
+            const double turn = std::abs(b.x - a.x);
+            if (a.y != b.y || !(turn > kHalf && turn < kTurn)) continue;
+            std::string text =
+                "an edge that spans more than 180 degrees of longitude takes the shorter way, across the "
+                "antimeridian; corners in between, at most 180 degrees apart, determine the other way";
+            warnings.push_back({polygon.pointer_to('/' + std::to_string(part) + "/0/" + std::to_string(i)), text});
+            return;
+        }
+    }
+}
+
+/// Completes the error of a region on the globe: a ring along a parallel encloses no area in degrees.
+Error with_hint(Error error, std::span<const PolygonPart> parts) {
+    constexpr double kTurn = 360;
+    const auto is_parallel = [](const PolygonPart& part) {
+        Box box = part.outer.empty() ? Box{} : Box{part.outer.front(), part.outer.front()};
+        for (const Point& p : part.outer) box.include(p);
+        return box.height() == 0 && box.width() >= kTurn;
+    };
+    if (std::ranges::any_of(parts, is_parallel))
+        error.message +=
+            ": a ring along a parallel from -180 to 180 encloses a pole only with the corners [180, 90] and "
+            "[-180, 90], or [180, -90] and [-180, -90]";
+    return error;
 }
 
 /// Adds a warning that the points of a feature are left out, if the feature should have points. Errors: `error` if the
@@ -85,8 +148,9 @@ private:
     Result<void> add(std::size_t feature, const std::stop_token& stop) {
         const auto parts = parts_of(request_, feature);
         if (!parts) return omit(feature, parts.error());
-        if (parts->empty()) return omit(feature, {ErrorCode::Unusable, "the feature has no geometry", ""});
+        if (parts->empty()) return omit(feature, {ErrorCode::Unusable, "the feature has no polygon", ""});
         auto made = Domain::repair(*parts, stop);
+        if (!made && request_.region.is_on_globe()) made.error() = with_hint(made.error(), *parts);
         if (!made) return omit(feature, made.error());
         for (Repair& repair : made->repairs) {
             repair.field = pointer_to(feature, repair.field);
@@ -137,6 +201,7 @@ Result<SampleArea> make_domain(const SampleRegion& region, const std::stop_token
     const auto& given = region.is_on_globe() ? *parts : polygon.parts;
     auto domain =
         region.on_invalid == OnInvalid::Repair ? Domain::repair(given, stop) : Domain::create(given, stop).map(valid);
+    if (!domain && region.is_on_globe()) domain.error() = with_hint(domain.error(), given);
     if (!domain) return tl::unexpected(located(domain.error()));
     for (Repair& repair : domain->repairs) repair.field = polygon.pointer_to(repair.field);
     return std::move(domain).map(area_of);
@@ -166,7 +231,14 @@ Result<void> exclude(const SampleRequest& request, const Limits& limits, const D
 Result<SampleArea> make_area(const SampleRequest& request, const Limits& limits, const Decode& decode,
                              const std::stop_token& stop) {
     auto area = request.counts ? FeatureAreas(request).make(stop) : make_domain(request.region, stop);
-    if (!area || !request.region.has_exclusions()) return area;
+    if (!area) return area;
+    if (const auto* polygon = std::get_if<PolygonInput>(&request.region.domain)) {
+        warn_of_omitted(*polygon, request.counts.has_value(), area->warnings);
+        if (request.region.is_on_globe()) warn_of_long_edges(*polygon, area->warnings);
+    }
+    warn_of_omitted(request.region.avoid, false, area->warnings);
+    warn_of_system(request, area->warnings);
+    if (!request.region.has_exclusions()) return area;
     if (auto left = exclude(request, limits, decode, stop, *area); !left) return tl::unexpected(left.error());
     return area;
 }

@@ -90,14 +90,24 @@ Result<void> read_topology(const Input& input, Draft& draft) {
     return read;
 }
 
+/// Finds the reference system that the member `crs` of GeoJSON names.
+std::optional<ReferenceSystem> find_system(JsonValue geojson) {
+    std::optional<JsonValue> value = geojson;
+    for (const std::string_view name : {"crs", "properties", "name"})
+        value = value && value->is_object() ? value->find(name) : std::nullopt;
+    return value && value->is_string() ? recognise_reference_system(value->text()) : std::nullopt;
+}
+
 /// Reads GeoJSON or TopoJSON, and stores a reference to its features.
 Result<void> read_geometry(const Input& input, Draft& draft) {
     if (is_topology(std::get<JsonValue>(input.value))) return read_topology(input, draft);
     if (draft.object)
         return failure(ErrorCode::Malformed, "object is an option of TopoJSON only", draft.request.field_of("object"));
     auto read = assign(draft.geometry, read_geometry(input));
-    if (read) draft.source = find_features(input);
-    return read;
+    if (!read) return read;
+    draft.source = find_features(input);
+    draft.request.region.system = find_system(std::get<JsonValue>(input.value));
+    return {};
 }
 
 /// Reads the number of sites, or the name of the property that holds the counts.
@@ -265,10 +275,12 @@ Result<void> settle_counts(const Limits& limits, Draft& draft) {
     if (draft.request.run.sites != 0) return incompatible(draft, option, "cannot be combined with a number of sites");
     if (counting.property && !counting.classes.empty())
         return incompatible(draft, "classes", "cannot be combined with a property in sites");
+    if (!draft.source) return incompatible(draft, option, "needs a Feature, a FeatureCollection or TopoJSON");
     if (!counting.property && counting.classes.empty())
-        return incompatible(draft, option, "needs classes, or the name of a property in sites");
-    if (!draft.source || !draft.source->is_collection)
-        return incompatible(draft, option, "needs a FeatureCollection, or a GeometryCollection of TopoJSON");
+        return incompatible(draft, option,
+                            "needs classes, or the name of a property in sites" + describe_properties(*draft.source));
+    const auto names = counting.property ? std::span(&*counting.property, 1) : std::span(counting.classes);
+    if (auto found = check_names(*draft.source, names, draft.request.field_of(option)); !found) return found;
     auto counts = count_features(*draft.source, middles(draft), counting, limits, draft.request.field_of("sites"));
     if (!counts) return tl::unexpected(counts.error());
     draft.request.run.sites = counts->total();
@@ -451,7 +463,7 @@ Result<SampleRequest> parse_sample(JsonValue root, const std::vector<TextOption>
 
 Result<SampleRequest> parse_sample(std::string_view body, const std::vector<TextOption>& options,
                                    std::string_view accept, const Limits& limits) {
-    const auto document = JsonDocument::parse(body);
+    const auto document = JsonDocument::parse_features(body);
     if (!document) return tl::unexpected(document.error());
     return parse_sample(document->root(), options, accept, limits);
 }

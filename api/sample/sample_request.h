@@ -15,6 +15,7 @@
 #include "api/input/method.h"
 #include "api/input/point_order.h"
 #include "api/input/polygon_reader.h"
+#include "api/input/reference_system.h"
 #include "api/output/formats.h"
 #include "api/run/deadline.h"
 #include "api/sample/density_input.h"
@@ -42,6 +43,7 @@ struct SampleRegion {
     double buffer = 0;  ///< minimum distance of points from the border: in units of the domain, or in metres for LonLat
     OnInvalid on_invalid = OnInvalid::Repair;
     Coordinates coordinates = Coordinates::Plane;  ///< LonLat requires polygons
+    std::optional<ReferenceSystem> system;         ///< as the document names it
 
     bool is_on_globe() const { return coordinates == Coordinates::LonLat; }
 

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstring>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,31 +13,6 @@
 
 namespace ccdt::api {
 namespace {
-
-template <class Element>
-double value_at(std::string_view data, std::size_t i) {
-    Element element;
-    std::memcpy(&element, data.data() + i * sizeof(Element), sizeof(Element));
-    return static_cast<double>(element);
-}
-
-/// A type of elements in NumPy's notation, and the function that reads them.
-struct ElementType {
-    std::string_view name;
-    double (*value_at)(std::string_view data, std::size_t i);
-};
-
-constexpr ElementType kTypes[] = {
-    {"|b1", value_at<std::uint8_t>},  {"|u1", value_at<std::uint8_t>},  {"|i1", value_at<std::int8_t>},
-    {"<u2", value_at<std::uint16_t>}, {"<i2", value_at<std::int16_t>},  {"<u4", value_at<std::uint32_t>},
-    {"<i4", value_at<std::int32_t>},  {"<u8", value_at<std::uint64_t>}, {"<i8", value_at<std::int64_t>},
-    {"<f4", value_at<float>},         {"<f8", value_at<double>},
-};
-
-const ElementType* find_type(std::string_view name) {
-    const auto* const found = std::ranges::find(kTypes, name, &ElementType::name);
-    return found == std::end(kTypes) ? nullptr : found;
-}
 
 Result<VoxelInput> open_npy(std::string_view bytes) {
     const auto array = read_npy(bytes);
@@ -52,9 +25,9 @@ Result<VoxelInput> open_npy(std::string_view bytes) {
                        "the NPY file must be an array of the shape (depth, height, width), each at least 1, not (" +
                            excerpt(sides) + ")");
     }
-    if (find_type(array->type) == nullptr)
+    if (!array->has_numbers())
         return failure(ErrorCode::Malformed,
-                       "the NPY file must have little-endian integers or floats of 1 to 8 bytes, not the type '" +
+                       "the NPY file must have booleans, integers or floats of 1 to 8 bytes, not the type '" +
                            excerpt(array->type) + "'");
     return VoxelInput{{{shape[2], shape[1], shape[0]}, {}}, bytes};
 }
@@ -66,17 +39,13 @@ Result<VoxelInput> open_tiff(std::string_view bytes, const Limits& limits) {
     });
 }
 
-/// Returns the function that returns the value of a voxel in a NumPy array of a valid type.
-auto reader_of(const NpyArray& array) {
-    return [data = array.data, read = find_type(array.type)->value_at](std::size_t i) { return read(data, i); };
-}
-
 /// Checks the values of voxels, unless they are in a TIFF.
 Result<VoxelInput> checked(VoxelInput input) {
     if (input.is_tiff()) return input;
+    const auto array = input.file.empty() ? NpyArray() : *read_npy(input.file);
     auto uniform = input.file.empty()
                        ? VoxelDensity::check(input.voxels, [&](std::size_t i) { return input.values[i]; })
-                       : VoxelDensity::check(input.voxels, reader_of(*read_npy(input.file)));
+                       : VoxelDensity::check(input.voxels, [&](std::size_t i) { return array.value(i); });
     if (!uniform) return tl::unexpected(std::move(uniform.error()));
     input.is_uniform = *uniform;
     return input;
@@ -85,8 +54,8 @@ Result<VoxelInput> checked(VoxelInput input) {
 Result<std::vector<double>> read_values(const VoxelInput& input, const Decode& decode, const std::stop_token& stop) {
     if (!input.is_tiff()) {
         std::vector<double> values(static_cast<std::size_t>(input.count()));
-        const auto read = reader_of(*read_npy(input.file));
-        for (std::size_t i = 0; i < values.size(); ++i) values[i] = read(i);
+        const NpyArray array = *read_npy(input.file);
+        for (std::size_t i = 0; i < values.size(); ++i) values[i] = array.value(i);
         return values;
     }
     Reading reading(static_cast<std::size_t>(input.count()));

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <system_error>
 
@@ -24,6 +25,13 @@ inline std::string_view take_until(std::string_view& text, std::string_view sepa
     const auto part = text.substr(0, at);
     text.remove_prefix(at == std::string_view::npos ? text.size() : at + separator.size());
     return part;
+}
+
+/// Returns a text with small instead of capital letters of ASCII.
+inline std::string in_small_letters(std::string_view text) {
+    std::string small(text);
+    for (char& c : small) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    return small;
 }
 
 /// Parses a text that consists of one number, independently of the locale. Returns none for any other text.

@@ -2,11 +2,12 @@
 #include "server/cli/arguments.h"
 
 #include <algorithm>
-#include <numeric>
 #include <string_view>
 #include <thread>
 #include <utility>
+#include <vector>
 
+#include "api/text/similar_name.h"
 #include "server/flags/flag_values.h"
 #include "server/processes/process.h"
 
@@ -18,28 +19,12 @@ constexpr std::uint64_t kMaxSites = 100'000'000;
 constexpr std::uint64_t kMaxPixels = 1'000'000'000;
 constexpr std::uint64_t kMaxFaces = 100'000'000;
 
-/// Returns the number of characters to insert, delete or replace so that one text becomes the other.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-    std::vector<std::size_t> row(b.size() + 1);
-    std::iota(row.begin(), row.end(), std::size_t{0});
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        std::size_t diagonal = std::exchange(row[0], i + 1);
-        for (std::size_t j = 0; j < b.size(); ++j) {
-            const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
-            diagonal = row[j + 1];
-            row[j + 1] = std::min({replaced, row[j] + 1, diagonal + 1});
-        }
-    }
-    return row.back();
-}
-
 tl::unexpected<Error> unknown_option(std::span<const Option> options, const std::string& written,
                                      std::string_view name) {
-    constexpr std::size_t kMaxDistance = 2;
-    const auto distance = [&](const Option& option) { return edit_distance(option.name, name); };
-    const auto nearest = std::ranges::min_element(options, {}, distance);
-    const std::string hint =
-        distance(*nearest) <= kMaxDistance ? "did you mean --" + nearest->name + "?" : "--help lists the options";
+    std::vector<std::string> names;
+    for (const Option& option : options) names.push_back(option.name);
+    const std::string* const similar = api::find_similar(names, name);
+    const std::string hint = similar == nullptr ? "--help lists the options" : "did you mean --" + *similar + "?";
     return failure(ErrorCode::Malformed, written + " is not an option; " + hint, written);
 }
 

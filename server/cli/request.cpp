@@ -13,6 +13,7 @@
 #include "api/input/negotiation.h"
 #include "api/input/npy_reader.h"
 #include "api/json/json_document.h"
+#include "api/operation/body_kind.h"
 #include "api/output/json_pieces.h"
 #include "api/sample/voxel_input.h"
 #include "api/surface/surface_header.h"
@@ -109,9 +110,11 @@ bool takes_query(const Arguments& arguments) {
 
 Result<std::string> build_sample_body(const Arguments& arguments, const std::string* map) {
     if (map == nullptr) return build_object("{", arguments);
-    // Otherwise, a map that is not JSON would make the whole body invalid, at another byte.
-    if (const auto parsed = api::JsonDocument::parse(*map); !parsed) return tl::unexpected(parsed.error());
-    return build_object(R"({"geometry":)" + *map, arguments);
+    const auto parsed = api::parse_sample_document(*map);
+    if (!parsed) return tl::unexpected(parsed.error());
+    std::string body = R"({"geometry":)";
+    api::append_json(body, parsed->root());
+    return build_object(std::move(body), arguments);
 }
 
 Result<std::string> build_analyze_body(const Arguments& arguments, const std::string* file) {

@@ -26,11 +26,13 @@ bool is_zip(std::string_view type) {
     return type == "application/zip" || type == "application/x-zip-compressed";
 }
 
-/// Whether a body of this content type may be JSON: the type is JSON, or a default of client programs.
+/// Whether a body of this content type may be JSON: the type is JSON, a sequence of JSON texts, or a default of client
+/// programs.
 bool may_hold_json(std::string_view type) {
     constexpr auto kUnspecific = std::to_array<std::string_view>(
         {"", "text/plain", "application/octet-stream", "application/x-www-form-urlencoded",
-         "application/x-tgif"});  // Chromium on Linux sends the last one for OBJ
+         "application/x-tgif",  // Chromium on Linux sends this type for OBJ
+         "application/geo+json-seq", "application/json-seq", "application/x-ndjson", "application/jsonl"});
     return is_json(type) || std::ranges::find(kUnspecific, type) != kUnspecific.end();
 }
 

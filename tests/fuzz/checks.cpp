@@ -37,7 +37,7 @@ std::optional<api::JsonValue> child(api::JsonValue parent, std::string_view toke
 
 /// Whether a JSON Pointer refers to a value or to a missing member of an object.
 bool leads_somewhere(std::string_view body, std::string_view pointer) {
-    const auto document = api::JsonDocument::parse(body);
+    const auto document = api::JsonDocument::parse_features(body);
     if (!document) return pointer.empty();
     std::optional<api::JsonValue> value = document->root();
     while (!pointer.empty() && value) {

@@ -41,6 +41,18 @@ bool equal(JsonValue a, JsonValue b, std::size_t depth, std::size_t& values) {
     return true;  // null
 }
 
+/// Checks that a sequence of texts is read as a collection, and any other text like JSON.
+void check_features(std::string_view text, const Result<JsonDocument>& document) {
+    const auto features = JsonDocument::parse_features(text);
+    std::size_t values = 0;
+    if (document) CCDT_CHECK(features && equal(document->root(), features->root(), 0, values));
+    if (document || !features) return;
+    std::string written;
+    api::append_json(written, features->root());
+    check_json(written);
+    CCDT_CHECK(text.starts_with('\xef') || written.starts_with(R"({"type":"FeatureCollection","features":[)"));
+}
+
 /// Checks that white space around a document changes nothing. A byte order mark must stay first.
 void check_padded(std::string_view text, const JsonDocument& document) {
     std::string padded = text.starts_with('\xef') ? "" : " \r\n\t";
@@ -57,6 +69,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     using namespace ccdt::fuzz;
     const auto text = text_of(data, size);
     const auto document = ccdt::api::JsonDocument::parse(text);
+    check_features(text, document);
     if (document) {
         check_padded(text, *document);
     } else {

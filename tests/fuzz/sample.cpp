@@ -90,7 +90,7 @@ void check_request(const api::SampleRequest& request, std::string_view body) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt;
     const auto body = fuzz::text_of(data, size);
-    const auto document = api::JsonDocument::parse(body);
+    const auto document = api::JsonDocument::parse_features(body);
     std::vector<api::TextOption> options;
     if (document && api::is_geojson(document->root())) options = {{"sites", "7"}, {"quality", "draft"}};
     const auto request = api::parse_sample(body, options, {}, fuzz::kLimits);

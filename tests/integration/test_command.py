@@ -315,8 +315,12 @@ class Errors(Folder):
                 (1, ("analyze", ROOT / "LICENSE", "--memory=1KiB"), "more bytes than the limit (--memory), 1024"),
                 (1, ("halftone", PICTURE, "--max-pixels=1000"), "the limit (--max-pixels) is 1000"),
                 (3, ("halftone", ROOT / "LICENSE"), "the supported formats are PNG"),
-                (3, ("sample", ROOT / "LICENSE", "--sites=3"), "the input is not valid JSON"),
+                (3, ("sample", ROOT / "LICENSE", "--sites=3"), "the input seems to be text; accepted are options"),
+                (3, ("sample", PICTURE, "--sites=3"), "the input seems to be a picture (PNG); accepted are options"),
+                (3, ("sample", PICTURE, "--sites=3", "--avoid=[]"), "the input seems to be a picture (PNG)"),
+                (3, ("halftone", MESH), "this is a mesh ("),
                 (3, ("analyze", ROOT / "LICENSE"), "line 1 must name the columns"),
+                (3, ("analyze", PICTURE), "the file seems to be a picture; points are read from CSV"),
                 (1, ("analyze", "-", "--domain", '{"type":"torus","width":0.2,"height":1}'), "/points/1: the point lies"),
                 (3, ("sample", *domain, "--sites=3", "--density=@/no/file"), "--density: /no/file: No such file")):
             with self.subTest(arguments=arguments):

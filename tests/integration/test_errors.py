@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Every refusal: its status and body. The server must continue."""
 
+import io
 import json
 import unittest
+import zipfile
 
 from harness import PICTURES, Server, ServerCase, ask, data_uri, file_of, flat, post_json
 
@@ -270,6 +272,62 @@ class SampleRequests(ServerCase):
             with self.subTest(query=query, document=document):
                 problem = self.assert_problem(post_json(self.server, "/sample?" + query, document), status)
                 self.assertEqual(problem["errors"][0]["pointer"], pointer)
+
+
+class Bodies(ServerCase):
+    """Bodies of a kind that an endpoint does not accept."""
+
+    ARCHIVE = io.BytesIO()
+    with zipfile.ZipFile(ARCHIVE, "w") as made:
+        made.writestr("doc.kml", "<kml/>")
+    KINDS = {
+        b"": (400, "is empty"),
+        b" \r\n": (400, "is empty"),
+        b"Dear Sir,": (400, "seems to be text"),
+        b"x,y\n1,2\n": (415, "seems to be CSV"),
+        b"<?xml version='1.0'?><kml xmlns='http://www.opengis.net/kml/2.2'/>": (415, "seems to be KML"),
+        b"<!DOCTYPE html><html></html>": (415, "seems to be HTML"),
+        b"<svg xmlns='http://www.w3.org/2000/svg'/>": (415, "seems to be SVG"),
+        b"POLYGON ((0 0, 1 0, 1 1, 0 0))": (415, "well-known text (WKT)"),
+        b"\x01\x03\x00\x00\x00\x01\x00\x00\x00": (415, "well-known binary (WKB)"),
+        b"\x00\x00\x27\x0a" + bytes(96): (415, ".shp"),
+        b"\x03\x7b\x05\x1f\x02\x00\x00\x00\x41\x00\x10" + bytes(90): (415, ".dbf"),
+        b"\x1f\x8b\x08" + bytes(20): (415, "seems to be gzip"),
+        b"SQLite format 3\x00" + bytes(52) + b"GPKG": (415, "a GeoPackage"),
+        b"PAR1" + bytes(20): (415, "GeoParquet"),
+        b"fgb\x03fgb\x00": (415, "FlatGeobuf"),
+        b"%PDF-1.7": (415, "seems to be PDF"),
+        b"\x00\x00\x00\x18ftypheic": (415, "HEIC"),
+        '{"sites":1}'.encode("utf-16"): (415, "UTF-16"),
+        '{"sites":1}'.encode("utf-16-le"): (415, "UTF-16"),
+        b"\x02\xf0\x0f\xff": (415, "binary data"),
+    }
+
+    def test_are_named_by_sample(self):
+        for body, (status, words) in {**self.KINDS, GREY: (415, "a picture (PNG)"),
+                                      b'{"asset":{"version":"2.0"},"scenes":[]}': (415, "a glTF without meshes")}.items():
+            with self.subTest(words=words):
+                problem = self.assert_problem(self.ask("/sample?sites=9", data=body), status, words, "accepted are", "a map")
+                self.assertNotIn("error at byte", problem["detail"])
+        self.assert_problem(self.ask("/sample?sites=9", data=self.ARCHIVE.getvalue()), 422, "no shapefile", "doc.kml")
+        self.assert_problem(self.ask("/sample?sites=9", data=b"SOLID a"), 415, "an STL with keywords")
+        self.assert_problem(self.ask("/sample?sites=9", data='{"sites":'), 400, "not valid JSON: error at byte")
+
+    def test_are_named_by_analyze(self):
+        for body, (status, words) in {**self.KINDS, GREY: (415, "a picture (PNG)"),
+                                      b'{"type":"Polygon","coordinates":[]}': (415, "seems to be GeoJSON")}.items():
+            with self.subTest(words=words):
+                self.assert_problem(self.ask("/analyze", data=body), status, words, "accepted are JSON")
+
+    def test_are_named_by_halftone(self):
+        for body, (_, words) in self.KINDS.items():
+            if body:
+                with self.subTest(words=words):
+                    self.assert_problem(self.ask("/halftone", data=body), 415, words.removeprefix("seems to be "), "PNG")
+        self.assert_problem(self.ask("/halftone", data=b"v 0 0 0\nf 1 1 1\n"), 415, "a mesh (OBJ)")
+        self.assert_problem(self.ask("/halftone", data=b"\x93NUMPY\x01\x00"), 415, "a NumPy array")
+        self.assert_problem(self.ask("/halftone", data=b'{"type":"Polygon"}'), 415, "seems to be GeoJSON", "pictures")
+        self.assert_problem(self.ask("/halftone", data=b'{"type":"Topology"}'), 415, "seems to be TopoJSON")
 
 
 class Limits(ServerCase):

@@ -31,11 +31,15 @@ def shp_of(shapes):
     return (struct.pack(">i20xi", 9994, (100 + len(body)) // 2) + struct.pack("<ii", 1000, POLYGON)).ljust(100, b"\0") + body
 
 
-def dbf_of(name, values):
-    """Returns a .dbf file with one field of numbers."""
-    header = struct.pack("<4BIHH20x", 3, 120, 1, 1, len(values), 32 + 32 + 1, 1 + 12)
-    field = name.encode().ljust(11, b"\0") + b"N" + struct.pack("<4xBB14x", 12, 3)
-    return header + field + b"\r" + b"".join(b" " + f"{value:12.3f}".encode() for value in values)
+def table_of(columns):
+    """Returns a .dbf file. Each column has a type, a width, and the values of all records as bytes."""
+    rows = list(zip(*[values for _, _, values in columns.values()], strict=True))
+    widths = [width for _, width, _ in columns.values()]
+    fields = b"".join(struct.pack("<11sc4xBB14x", name.encode(), kind.encode(), width, 0)
+                      for name, (kind, width, _) in columns.items())
+    head = struct.pack("<4BIHH20x", 3, 124, 1, 1, len(rows), 32 + len(fields) + 1, 1 + sum(widths))
+    body = b"".join(b" " + b"".join(value.ljust(width) for value, width in zip(row, widths, strict=True)) for row in rows)
+    return head + fields + b"\r" + body + b"\x1a"
 
 
 def zip_of(files, compression=zipfile.ZIP_DEFLATED):
@@ -68,7 +72,7 @@ GEOJSON = json.dumps({"type": "FeatureCollection", "features": [
     {"type": "Feature", "properties": {"people": people}, "geometry": {"type": "MultiPolygon", "coordinates": parts}}
     for parts, people in zip(MAPS, PEOPLE, strict=True)]}).encode()
 SHP = shp_of([[ring for part in parts for ring in part] for parts in MAPS])
-SHAPEFILE = zip_of({"maps/three.shp": SHP, "maps/three.dbf": dbf_of("people", PEOPLE), "maps/three.prj": "GEOGCS[]"})
+SHAPEFILE = zip_of({"maps/three.shp": SHP, "maps/three.dbf": table_of({"people": ("N", 12, [f"{people:12.3f}".encode() for people in PEOPLE])}), "maps/three.prj": "GEOGCS[]"})
 
 
 class Shapefiles(ServerCase):
@@ -123,6 +127,40 @@ class Shapefiles(ServerCase):
         self.assert_problem(self.post("sites=9", zip_of({str(i): "" for i in range(1001)})), 413, "1000")
         self.assert_problem(self.post("sites=9", b"{}"), 422, "zip")
         self.assert_problem(self.ask("/analyze", "-H", "Content-Type: application/zip", data=SHAPEFILE), 415)
+
+    def test_texts_are_needed_only_if_they_are_used(self):
+        table = table_of({"name": ("C", 9, [b"stra\xdfe", b"b", b"c"]), "n": ("N", 4, [b"5", b"6", b"7"])})
+        archive = zip_of({"a.shp": SHP, "a.dbf": table})
+        for query, points in (("sites=9", 9), ("sites=n", 18), ("sites=n&properties=n", 18)):
+            self.assertEqual(len(self.post(query + "&coordinates=lonlat", archive).json()["points"]), points, query)
+        for query, pointer in (("sites=9&properties=name", "properties"), ("sites=9&properties=*", "properties"),
+                               ("sites=name", "sites"), ("classes=n,name", "classes")):
+            problem = self.assert_problem(self.post(query, archive), 422, "name", "names no encoding", ".cpg")
+            self.assertEqual(problem["errors"][0]["pointer"], pointer)
+        self.assert_problem(self.post("sites=m", archive), 400, "no feature has the property 'm'", "n")
+
+    def test_encodings(self):
+        for text, cpg in (("\u6771\u4eac", "shift_jis"), ("\u5317\u4eac", "gbk"), ("\u53f0\u5317", "big5"),
+                          ("\uc11c\uc6b8", "euc_kr"), ("\u0141\u00f3d\u017a", "cp1250"), ("\u041c\u043e\u0441", "cp1251"),
+                          ("K\u00f6ln", "cp850"), ("K\u00f6ln", "iso-8859-1"), ("\u0141\u00f3d\u017a", "utf-8")):
+            with self.subTest(cpg):
+                archive = zip_of({"a.shp": SHP, "a.cpg": cpg.upper(),
+                                  "a.dbf": table_of({"name": ("C", 12, [text.encode(cpg)] * 3)})})
+                answer = self.post("sites=9&coordinates=lonlat&properties=name", archive)
+                self.assertEqual(answer.status, 200, answer)
+                self.assertEqual(answer.json()["features"][0]["properties"], {"name": text})
+
+    def test_reference_systems(self):
+        degrees = 'GEOGCS["GCS_WGS_1984",DATUM["D_WGS_1984"],UNIT["Degree",0.0174532925199433]]'
+        metres = f'PROJCS["Local_Grid",{degrees},UNIT["Meter",1.0]]'
+        for prj, query, words in ((degrees, "", "coordinates=lonlat"), (degrees, "&coordinates=lonlat", ""),
+                                  (metres, "", ""), (metres, "&coordinates=lonlat", "Local_Grid")):
+            with self.subTest(prj=prj[:6], query=query):
+                answer = self.post("sites=9" + query, zip_of({"a.shp": SHP, "a.prj": prj}))
+                self.assertEqual(answer.status, 200, answer)
+                found = [each["detail"] for each in answer.json().get("warnings", [])]
+                self.assertEqual(len(found), bool(words), found)
+                self.assertIn(words, "".join(found))
 
     def test_invalid_options_are_reported_like_those_with_geojson(self):
         self.assert_problem(self.post("sites=9&colour=red", SHAPEFILE), 400, "colour")

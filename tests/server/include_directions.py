@@ -26,6 +26,7 @@ RULES = (
     (re.compile(r"^gif_lib\.h$"), ("api/image/gif_reader.cpp",)),
     (re.compile(r"^jpeglib\.h$"), ("api/image/ink_jpeg.cpp",)),
     (re.compile(r"^shapefil\.h$"), ("api/map/shapefile_reader.cpp",)),
+    (re.compile(r"^iconv\.h$"), ("api/map/code_page.cpp",)),
     (re.compile(r"^zip\.h$"), ("api/map/zip_archive.cpp",)),
     (re.compile(r"^nlohmann/|^png\.h$"), ("api/",)),
     (re.compile(r"^pybind11/"), ("api/python/",)),

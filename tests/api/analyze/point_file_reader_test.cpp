@@ -105,14 +105,30 @@ TEST(PointFileReader, RefusesPointsInSpaceWithoutAThirdCoordinate) {
     EXPECT_EQ(read_point_file3("[[1,2,3],[4,5,6]]", one).error().code, ErrorCode::LimitExceeded);
 }
 
+TEST(PointFileReader, ReadsSequencesOfFeatures) {
+    const std::string one = R"({"type":"Feature","properties":{},"geometry":{"type":"Point","coordinates":[1,2]}})";
+    for (const std::string& text : {one + "\n" + one + "\n", "\x1E" + one + "\n\x1E" + one + "\n"}) {
+        const auto points = read_point_file(text, {});
+        ASSERT_TRUE(points) << points.error().message;
+        EXPECT_EQ(*points, (std::vector<Point>{{1, 2}, {1, 2}}));
+    }
+}
+
+TEST(PointFileReader, ReadsOtherNumbersOfNpy) {
+    const auto points = read_point_file(npy_header("<f2", 1, 2) + std::string("\x00\x3c\x00\xc0", 4), {});
+    ASSERT_TRUE(points) << points.error().message;
+    EXPECT_EQ(*points, (std::vector<Point>{{1, -2}}));
+}
+
 TEST(PointFileReader, NamesTheLineRowOrPointerOfAFault) {
     struct Case {
         std::string file;
         std::string_view named;
     };
-    const std::string header = array_of(2, {}), floats = npy_header("<f4", 1, 2);
+    const std::string header = array_of(2, {}), texts = npy_header("<U4", 1, 2);
     const Case cases[] = {
-        {"", "line 1"},
+        {"", "the file is empty"},
+        {"%PDF-1.7", "seems to be PDF; points are read from CSV"},
         {"a,b\n1,2\n", "line 1"},
         {"x\n1\n", "line 1"},
         {"x,y\n1,2\n1,2,3\n", "line 3 has 3 columns; the first line has 2"},
@@ -125,7 +141,7 @@ TEST(PointFileReader, NamesTheLineRowOrPointerOfAFault) {
         {header.substr(0, 9), "ends within its header"},
         {header.substr(0, 60), "ends within its header"},
         {array_of(1, {1, 2}), "at least two columns"},
-        {floats + "12345678", "float64"},
+        {texts + "12345678", "an array of numbers"},
         {array_of(2, {1, 2}) + "x", "has 17 bytes of data"},
         {npy_header("<f8", 0, 2) + "12345678", "has 8 bytes of data"},
         {npy_header("<f8", 1, 3) + std::string(16, '\0'), "has 16 bytes of data"},

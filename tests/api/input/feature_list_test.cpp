@@ -105,7 +105,7 @@ TEST(FeatureList, RefusesAChosenPropertyThatNoFeatureHas) {
     ASSERT_FALSE(features);
     EXPECT_EQ(features.error().code, ErrorCode::Malformed);
     EXPECT_EQ(features.error().field, "/properties");
-    EXPECT_EQ(features.error().message, "no feature has the property 'nmae'");
+    EXPECT_EQ(features.error().message, "no feature has the property 'nmae'; the properties of the features are a");
 }
 
 TEST(FeatureList, RefusesPropertiesThatAreNotAnObject) {
@@ -143,6 +143,43 @@ TEST(FeatureList, LimitsTheTotalSizeOfProperties) {
     const auto checked = check_size(features->carried, {110'000}, "/properties");
     ASSERT_FALSE(checked);
     EXPECT_EQ(checked.error().code, ErrorCode::LimitExceeded);
+}
+
+TEST(FeatureList, NamesThePropertiesThatExist) {
+    const std::string two = collection(feature(R"({"POP2020":1,"name":"a"})") + ',' + feature(R"({"area":null})"));
+    const auto message = [&](const std::string& name) {
+        const auto features = list(two, {.all = false, .names = {name}});
+        return features ? std::string() : features.error().message;
+    };
+    EXPECT_EQ(message("area"), "");
+    EXPECT_EQ(message("pop2021"),
+              "no feature has the property 'pop2021'; did you mean 'POP2020'? The properties of the "
+              "features are POP2020, name, area");
+    EXPECT_EQ(message("height"),
+              "no feature has the property 'height'; the properties of the features are POP2020, name, area");
+    const auto none = list(collection(feature("null")), {.all = false, .names = {"a"}});
+    EXPECT_EQ(none.error().message, "no feature has the property 'a'; the features have no properties");
+}
+
+TEST(FeatureList, RefusesPropertiesThatCouldNotBeRead) {
+    const std::string map = R"({"type":"FeatureCollection","unreadable":{"name":"no encoding"},"features":[)" +
+                            feature(R"({"n":1})") + "]}";
+    EXPECT_TRUE(list(map, {.all = false, .names = {"n"}}));
+    for (const PropertyChoice& choice :
+         {PropertyChoice{.all = true, .names = {}}, {.all = false, .names = {"n", "name"}}}) {
+        const auto features = list(map, choice);
+        ASSERT_FALSE(features);
+        EXPECT_EQ(features.error().code, ErrorCode::Unusable);
+        EXPECT_EQ(features.error().message, "no encoding");
+        EXPECT_EQ(features.error().field, "/properties");
+    }
+}
+
+TEST(FeatureList, KeepsAllDigitsOfIntegers) {
+    const auto features = list(collection(feature(R"({"id":9007199254740993})", R"(,"id":-9007199254740993)")));
+    ASSERT_TRUE(features) << features.error().message;
+    EXPECT_EQ(members(*features, 0), R"("id":9007199254740993)");
+    EXPECT_EQ(features->ids.front(), "-9007199254740993");
 }
 
 }  // namespace

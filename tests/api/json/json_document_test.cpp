@@ -91,5 +91,49 @@ TEST(JsonPointer, EscapesNames) {
     EXPECT_EQ(pointer_below("/polygon", std::size_t{17}), "/polygon/17");
 }
 
+std::string rewritten(const Result<JsonDocument>& document) {
+    if (!document) return document.error().message;
+    std::string text;
+    append_json(text, document->root());
+    return text;
+}
+
+TEST(JsonDocument, KeepsAllDigitsOfIntegers) {
+    const std::string integers =
+        "[9007199254740992,9007199254740993,-9007199254740993,18446744073709551615,18446744073709551617,"
+        "-123456789012345678901234567890]";
+    const auto document = JsonDocument::parse(integers);
+    EXPECT_EQ(rewritten(document), integers);
+    for (const JsonValue value : document->root()) EXPECT_TRUE(value.is_number() && !value.is_string());
+    EXPECT_EQ((*++document->root().begin()).number(), 9007199254740992);
+    EXPECT_EQ(rewritten(JsonDocument::parse("[1.0,1e20,-0.5]")), "[1,1e+20,-0.5]");
+}
+
+TEST(JsonDocument, ReadsSequencesAsFeatures) {
+    const std::string both = R"({"type":"FeatureCollection","features":[{"a":1},{"b":[2,"}\n{"]}]})";
+    const std::string a = R"({"a":1})", b = R"({"b":[2,"}\n{"]})";
+    for (const std::string& text : {a + "\n" + b, a + "\r\n" + b + "\r\n", "\n" + a + "\n\n \n" + b + "\n\n",
+                                    "\xEF\xBB\xBF" + a + "\n" + b, "\x1E" + a + "\n\x1E" + b + "\n",
+                                    "\x1E\x1E" + a + "\x1E" + b, "\xEF\xBB\xBF\x1E" + a + "\x1E" + b,
+                                    R"({
+  "a": 1
+})" + std::string("\n") + b})
+        EXPECT_EQ(rewritten(JsonDocument::parse_features(text)), both) << text;
+    EXPECT_EQ(rewritten(JsonDocument::parse_features("\x1E" + a + "\n")),
+              R"({"type":"FeatureCollection","features":[{"a":1}]})");
+    EXPECT_EQ(rewritten(JsonDocument::parse_features(a + "\r\n")), a);
+    EXPECT_EQ(rewritten(JsonDocument::parse_features("[1]")), "[1]");
+}
+
+TEST(JsonDocument, ReportsErrorsInSequences) {
+    const auto message = [](std::string_view text) { return rewritten(JsonDocument::parse_features(text)); };
+    EXPECT_EQ(message("{\"a\":1}\n{\"b\":x}"), "the body is not valid JSON: error at byte 14");
+    EXPECT_EQ(message("{\"a\":1}\n{\"b\":1"), "the body is not valid JSON: error at byte 15");
+    EXPECT_EQ(message("{\"a\":1}\nx"), "the body is not valid JSON: error at byte 9");
+    EXPECT_EQ(message("\x1E{\"a\":1}\n\x1E{\"a\":1,\"a\":2}"), "a JSON object has the member 'a' twice");
+    EXPECT_EQ(message("{}\n[]"), "the body is not valid JSON: error at byte 4");
+    EXPECT_FALSE(JsonDocument::parse("{}\n{}"));
+}
+
 }  // namespace
 }  // namespace ccdt::api

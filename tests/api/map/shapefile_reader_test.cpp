@@ -135,6 +135,49 @@ TEST(Shapefile, TakesAHoleOutsideOfAllRingsForAPart) {
     EXPECT_EQ(shapes[1]["geometry"]["coordinates"].size(), 2U);
 }
 
+/// Returns the numbers of rings of the parts of a shape.
+std::vector<std::size_t> rings_of(const std::vector<Ring>& rings) {
+    const Json shapes = features_of(zip_of({{"a.shp", shp_of({rings})}}));
+    const Json& geometry = shapes[0]["geometry"];
+    if (geometry["type"] == "Polygon") return {geometry["coordinates"].size()};
+    std::vector<std::size_t> counts;
+    for (const Json& part : geometry["coordinates"]) counts.push_back(part.size());
+    return counts;
+}
+
+TEST(Shapefile, TakesARingInANotchForAPart) {
+    const Ring notched = {{0, 0}, {0, 9}, {3, 9}, {3, 3}, {9, 3}, {9, 0}, {0, 0}};
+    EXPECT_EQ(rings_of({notched, hole(2, {6, 6})}), (std::vector<std::size_t>{1, 1}));
+    EXPECT_EQ(rings_of({notched, hole(2, {1.5, 1.5})}), (std::vector<std::size_t>{2}));
+    // A ring that fills the notch, or a part of it, and touches the outer ring from outside or inside.
+    EXPECT_EQ(rings_of({notched, {{3, 3}, {9, 3}, {3, 9}, {3, 3}}}), (std::vector<std::size_t>{1, 1}));
+    EXPECT_EQ(rings_of({notched, {{3, 3}, {9, 3}, {9, 9}, {3, 9}, {3, 3}}}), (std::vector<std::size_t>{1, 1}));
+    EXPECT_EQ(rings_of({notched, {{0, 0}, {9, 0}, {3, 3}, {0, 9}, {0, 0}}}), (std::vector<std::size_t>{2}));
+    EXPECT_EQ(rings_of({notched, {{0.1, 0.1}, {0.7, 0.1}, {0.1, 0.7}, {0.1, 0.1}}}), (std::vector<std::size_t>{2}));
+}
+
+TEST(Shapefile, GroupsNestedRings) {
+    std::vector<Ring> rings;  // island, lake, island in the lake, and so on
+    for (int size = 20; size > 0; size -= 4) {
+        rings.push_back(square(size));
+        rings.push_back(hole(size - 2));
+    }
+    EXPECT_EQ(rings_of(rings), (std::vector<std::size_t>(5, 2)));
+    EXPECT_EQ(rings_of({rings.rbegin(), rings.rend()}), (std::vector<std::size_t>(5, 2)));
+    // An island that touches all sides of its lake; a lake as large as its island.
+    const Ring diamond = {{-1, 0}, {0, 1}, {1, 0}, {0, -1}, {-1, 0}};
+    EXPECT_EQ(rings_of({square(4), hole(2), diamond}), (std::vector<std::size_t>{2, 1}));
+    EXPECT_EQ(rings_of({square(2), hole(2)}), (std::vector<std::size_t>{2}));
+    // Very large and very small coordinates.
+    for (const double scale : {1e308, 1e-308, 1e-320}) {
+        std::vector<Ring> scaled = {square(1), hole(0.5), square(0.25), {{2, 0}, {3, 0}, {3, 1}, {2, 0}}};
+        for (Ring& ring : scaled) {
+            for (Point& p : ring) p = scale / 4 * p;
+        }
+        EXPECT_EQ(rings_of(scaled), (std::vector<std::size_t>{2, 1, 1})) << scale;
+    }
+}
+
 TEST(Shapefile, ReadsPolygonsWithHeightsAndMeasures) {
     const Json flat = features_of(zip_of({{"a.shp", kOne}}));
     for (const int type : {15, 25}) EXPECT_EQ(features_of(zip_of({{"a.shp", shp_of({{square(2)}}, type)}})), flat);
@@ -177,17 +220,78 @@ TEST(Shapefile, ReadsTextsByTheirCodePage) {
     EXPECT_EQ(property({"c", 'C', 9}, sharp, 87), utf8);
     EXPECT_EQ(property({"c", 'C', 9}, "\x80 5", 3), "\xE2\x82\xAC 5");
     EXPECT_EQ(property({"c", 'C', 9}, utf8, 87, "UTF-8"), utf8);  // the .cpg file counts
-    EXPECT_EQ(property({"c", 'C', 9}, "plain", 0, "Big5"), "plain");
     // Text truncated within a character.
     EXPECT_EQ(property({"c", 'C', 5}, "stra\xC3", 0, "UTF-8"), "stra\xEF\xBF\xBD");
-    const auto message = [&](int language, const std::string& cpg) {
-        Files files = {{"a.shp", kOne}, {"a.dbf", dbf_of({{"c", 'C', 9}}, {{sharp}}, language)}};
-        if (!cpg.empty()) files.emplace_back("a.cpg", cpg);
-        return message_of(files);
+    EXPECT_EQ(property({"c", 'C', 5}, "a\x82", 0, "CP932"), "a\xEF\xBF\xBD");
+    EXPECT_EQ(property({"c", 'C', 5}, "a\x81z", 0, "1252"), "a\xEF\xBF\xBDz");
+}
+
+TEST(Shapefile, ReadsTextsOfManyLanguages) {
+    struct Case {
+        std::string text, cpg;
+        int language;
+        std::string utf8;
     };
-    EXPECT_NE(message(0, "").find("names no encoding"), std::string::npos);
-    EXPECT_NE(message(0, "Big5").find("Big5, is not supported"), std::string::npos);
-    EXPECT_NE(message(2, "").find("LDID/2, is not supported"), std::string::npos);
+    const std::vector<Case> cases = {
+        {"\x93\x8C\x8B\x9E", "SJIS", 19, "\u6771\u4EAC"},
+        {"\x93\x8C\x8B\x9E", "Shift_JIS", 123, "\u6771\u4EAC"},
+        {"\xB1\xB1\xBE\xA9", "GBK", 77, "\u5317\u4EAC"},
+        {"\xB1\xB1\xBE\xA9", "GB2312", 122, "\u5317\u4EAC"},
+        {"\xA5\x78\xA5\x5F", "BIG5", 79, "\u53F0\u5317"},
+        {"\xBC\xAD\xBF\xEF", "949", 78, "\uC11C\uC6B8"},
+        {"\xA3\xF3"
+         "d\x9F",
+         "1250", 200, "\u0141\u00F3d\u017A"},
+        {"\xCC\xEE\xF1", "CP1251", 201, "\u041C\u043E\u0441"},
+        {"K\x94ln", "IBM850", 2, "K\u00F6ln"},
+        {"\x8C\xAE\xE1", "866", 38, "\u041C\u043E\u0441"},
+        {"\xD0stanbul", "ANSI 1254", 202, "\u011Estanbul"},
+        {"\xA3\xF3", "ISO 8859-2", 200, "\u0141\u00F3"},
+        {"Z\x9Frich", "MACINTOSH", 4, "Z\u00FCrich"},
+    };
+    for (const auto& [text, cpg, language, utf8] : cases) {
+        EXPECT_EQ(property({"c", 'C', 9}, text, 0, cpg), utf8) << cpg;
+        EXPECT_EQ(property({"c", 'C', 9}, text, language), utf8) << language;
+    }
+}
+
+/// Returns the collection that is made from a shapefile with one record.
+Json collection_of(const std::vector<TableField>& fields, const std::vector<std::string>& values,
+                   const std::string& cpg = "", const std::string& prj = "") {
+    Files files = {{"a.shp", kOne}, {"a.dbf", dbf_of(fields, {values})}};
+    if (!cpg.empty()) files.emplace_back("a.cpg", cpg);
+    if (!prj.empty()) files.emplace_back("a.PRJ", prj);
+    const auto text = read(zip_of(files));
+    return text ? Json::parse(*text) : Json(text.error().message);
+}
+
+TEST(Shapefile, LeavesOutFieldsThatCannotBeRead) {
+    const Json unnamed = collection_of({{"name", 'C', 9}, {"n", 'N', 4}, {"plain", 'C', 5}}, {"stra\xDF", "7", "a"});
+    EXPECT_EQ(unnamed["features"][0]["properties"].dump(), R"({"n":7,"plain":"a"})");
+    EXPECT_EQ(unnamed["unreadable"].size(), 1U);
+    EXPECT_NE(unnamed["unreadable"]["name"].get<std::string>().find("names no encoding"), std::string::npos);
+    const Json unknown = collection_of({{"n\xE4me", 'C', 9}, {"n\xE5me", 'N', 1}}, {"a", "1"}, "EBCDIC-37");
+    EXPECT_EQ(unknown["features"][0]["properties"], Json::object());
+    EXPECT_NE(unknown["unreadable"].front().get<std::string>().find("EBCDIC-37, is not supported"), std::string::npos);
+    const Json twice =
+        collection_of({{"n", 'N', 1}, {"n", 'C', 1}, {"n", 'C', 1}, {"m", 'N', 1}}, {"1", "2", "3", "4"});
+    EXPECT_EQ(twice["features"][0]["properties"].dump(), R"({"m":4})");
+    EXPECT_NE(twice["unreadable"]["n"].get<std::string>().find("two fields"), std::string::npos);
+    EXPECT_FALSE(collection_of({{"name", 'C', 9}}, {"plain"}).contains("unreadable"));
+}
+
+TEST(Shapefile, KeepsAllDigitsOfIntegers) {
+    EXPECT_EQ(collection_of({{"id", 'N', 19}}, {"9007199254740993"})["features"][0]["properties"].dump(),
+              R"({"id":9007199254740993})");
+    EXPECT_EQ(property({"n", 'N', 8}, "-0042"), -42);
+    EXPECT_EQ(property({"n", 'N', 8}, "+7"), 7);
+    EXPECT_EQ(property({"n", 'N', 8}, "000"), 0);
+}
+
+TEST(Shapefile, NamesTheReferenceSystem) {
+    const std::string wkt = R"(GEOGCS["WGS 84",UNIT["Degree",0.017]])";
+    EXPECT_EQ(collection_of({{"n", 'N', 1}}, {"1"}, "", wkt)["crs"]["properties"]["name"], wkt);
+    EXPECT_FALSE(collection_of({{"n", 'N', 1}}, {"1"}).contains("crs"));
 }
 
 TEST(Shapefile, LeavesOutDeletedRecords) {
@@ -213,6 +317,15 @@ TEST(Shapefile, ChoosesTheOneThatIsAskedFor) {
     const Error other = error_of(archive, "c");
     EXPECT_EQ(other.field, "object");
     EXPECT_NE(other.message.find("x/a, x/b"), std::string::npos) << other.message;
+}
+
+TEST(Shapefile, FindsFilesWhoseNamesDifferInCase) {
+    const auto table = [](const std::string& value) { return dbf_of({{"n", 'N', 1}}, {{value}}); };
+    const std::string mixed = zip_of({{"Map\\Roads.shp", kOne}, {"MAP\\ROADS.DBF", table("7")}});
+    EXPECT_EQ(features_of(mixed, "Roads")[0]["properties"]["n"], 7);
+    const std::string both = zip_of({{"A.dbf", table("1")}, {"A.shp", kOne}, {"a.shp", kOne}, {"a.dbf", table("2")}});
+    EXPECT_EQ(features_of(both, "A")[0]["properties"]["n"], 1);
+    EXPECT_EQ(features_of(both, "a")[0]["properties"]["n"], 2);
 }
 
 TEST(Shapefile, RefusesInvalidArchives) {
@@ -274,7 +387,6 @@ TEST(Shapefile, RefusesDamagedTables) {
     EXPECT_NE(message("no table").find("damaged"), std::string::npos);
     EXPECT_NE(message(table.substr(0, table.size() - 1)).find("truncated"), std::string::npos);
     EXPECT_NE(message(dbf_of({{"n", 'N', 4}}, {{"1"}, {"2"}})).find("2 records"), std::string::npos);
-    EXPECT_NE(message(dbf_of({{"n", 'N', 4}, {"n", 'C', 1}}, {{"1", "2"}})).find("two fields"), std::string::npos);
     std::string wide = table;
     wide[32 + 16] = 99;
     EXPECT_NE(message(wide).find("damaged"), std::string::npos);

@@ -192,7 +192,6 @@ TEST(SampleRequest, PointsToInvalidMember) {
          "/geometry/coordinates/1/1"},
         {R"("geometry":{"type":"MultiPolygon","coordinates":[[[[0,0],[1,0],[1]]]]})" + sites,
          "/geometry/coordinates/0/0/2"},
-        {R"("geometry":{"type":"Feature","geometry":null})" + sites, "/geometry/geometry"},
         {R"("geometry":{"type":"Feature","geometry":{"type":"Polygon","coordinates":[3]}})" + sites,
          "/geometry/geometry/coordinates/0"},
         {kSquare + R"(,"density":{"width":2,"height":2,"values":[1,2,3]})" + sites, "/density/values"},

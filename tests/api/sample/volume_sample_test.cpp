@@ -294,7 +294,7 @@ TEST(VolumeSample, NamesTheFieldOfErrors) {
         {npy_of<double>("<f8", {1, 1, 2}, {1, nan}), sites, ErrorCode::Malformed, "density/1"},
         {npy_of<double>("<f8", {1, 1, 2}, {1, -1}), sites, ErrorCode::Malformed, "density/1"},
         {npy_of<double>("<f8", {1, 1, 2}, {0, 0}), sites, ErrorCode::Unusable, "density"},
-        {npy_of<double>(">f8", {1, 1, 2}, {1, 1}), sites, ErrorCode::Malformed, ""},
+        {npy_of<double>("<c8", {1, 1, 2}, {1, 1}), sites, ErrorCode::Malformed, ""},
         {npy_of<double>("<f8", {1, 0, 2}, {}), sites, ErrorCode::Malformed, ""},
         {npy_header("<f8", 1, 1) + std::string(8, '\0'), sites, ErrorCode::Malformed, ""},
     };

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "api/operation/body_kind.h"
+
+#include "api/image/image_header.h"
+#include "api/input/npy_reader.h"
+#include "api/input/polygon_reader.h"
+#include "api/input/topology_reader.h"
+#include "api/surface/surface_header.h"
+#include "api/text/byte_order_mark.h"
+#include "api/text/file_kind.h"
+#include "api/text/text.h"
+
+namespace ccdt::api {
+namespace {
+
+constexpr std::string_view kOfSample =
+    "options in JSON, a map (GeoJSON, TopoJSON or a zipped shapefile), a mesh (STL, OBJ, PLY, OFF, GLB or glTF), and "
+    "voxels (NPY or TIFF)";
+
+/// Whether a body may be meant as JSON. JSON in UTF-16 is not.
+bool begins_like_json(std::string_view body) {
+    constexpr std::size_t kFirst = 4;
+    const auto start = trim(without_byte_order_mark(body), " \t\r\n\x1E");
+    return (start.starts_with('{') || start.starts_with('[')) && body.substr(0, kFirst).find('\0') == body.npos;
+}
+
+}  // namespace
+
+std::string kind_of_body(std::string_view body) {
+    if (const auto image = recognise_image(body)) return "a picture (" + std::string(name_of(*image)) + ')';
+    if (const auto mesh = recognise_surface(body)) return "a mesh (" + std::string(name_of(*mesh)) + ')';
+    if (is_npy(body)) return "a NumPy array";
+    if (begins_like_json(body)) return "JSON";
+    const std::string_view kind = kind_of_file(body);
+    return kind.empty() ? "binary data of an unknown kind" : std::string(kind);
+}
+
+std::string_view kind_of_json(JsonValue root) {
+    if (is_topology(root)) return "TopoJSON";
+    if (is_geojson(root)) return "GeoJSON";
+    return root.is_object() && root.find("asset") ? "a glTF" : "";
+}
+
+tl::unexpected<Error> wrong_body(std::string_view kind, std::string_view accepted) {
+    const bool is_malformed = kind == "empty" || kind == "text";
+    return failure(is_malformed ? ErrorCode::Malformed : ErrorCode::Unsupported,
+                   "the body " + std::string(kind == "empty" ? "is " : "seems to be ") + std::string(kind) +
+                       "; accepted are " + std::string(accepted));
+}
+
+tl::unexpected<Error> not_json(std::string_view body, const Error& error, std::string_view accepted) {
+    if (error.code != ErrorCode::Malformed || begins_like_json(body)) return tl::unexpected(error);
+    return wrong_body(kind_of_body(body), accepted);
+}
+
+Result<JsonDocument> parse_sample_document(std::string_view body) {
+    auto document = JsonDocument::parse_features(body);
+    if (!document) return not_json(body, document.error(), kOfSample);
+    if (kind_of_json(document->root()) == "a glTF") return wrong_body("a glTF without meshes", kOfSample);
+    return document;
+}
+
+}  // namespace ccdt::api
