@@ -187,9 +187,9 @@ Result<const api::FileFormat*> find_format(const Command& command, const Argumen
         const auto found = std::ranges::find(formats, *name, &api::FileFormat::name);
         return found == formats.end() ? formats.front() : *found;  // the parser reports an unknown name
     }
-    if (output == kStandardStream || replaceable_path(output).empty()) return formats.front();
     const auto found = api::format_of_suffix(std::filesystem::path(output).extension().string(), formats);
     if (found) return formats[*found];
+    if (!output_target(output).is_replaced) return formats.front();
     return failure(ErrorCode::Malformed,
                    "output " + output + ": " + found.error().message + ", or --format must be given", "output");
 }

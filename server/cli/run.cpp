@@ -10,6 +10,7 @@
 #include <new>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -61,6 +62,14 @@ std::string output_for(const std::string& input, std::string output) {
     return output;
 }
 
+/// Returns a text that is the same for all names of a target.
+std::string place_of(const api::OutputTarget& target) {
+    if (target.descriptor >= 0) return std::to_string(target.descriptor);
+    std::error_code unresolved;
+    const auto path = std::filesystem::weakly_canonical(target.path, unresolved);
+    return unresolved ? target.path : path.string();
+}
+
 /// Pairs each input with its output.
 tl::expected<std::vector<Task>, Failed> plan_tasks(const Command& command, const Arguments& arguments) {
     std::vector<std::string> inputs = arguments.inputs;
@@ -76,19 +85,18 @@ tl::expected<std::vector<Task>, Failed> plan_tasks(const Command& command, const
         inputs.emplace_back();
     }
     std::vector<Task> tasks;
-    std::map<std::string, std::string> input_of;  ///< by the path of the output
+    std::map<std::string, std::string> input_of;  ///< by place_of() the output
     for (const std::string& input : inputs) {
         const Task task{input, output_for(input, arguments.output.value_or(std::string(kStandardStream)))};
-        const std::string path = replaceable_path(task.output);
-        if (task.output == kStandardStream || !path.empty()) {
-            const auto [other, is_new] = input_of.try_emplace(task.output == kStandardStream ? "-" : path, input);
+        const api::OutputTarget target = output_target(task.output);
+        if (target.is_replaced || target.descriptor >= 0) {
+            const auto [other, is_new] = input_of.try_emplace(place_of(target), input);
             if (!is_new)
-                return wrong_usage(other->second + " and " + input + " have the same output, " +
-                                   (task.output == kStandardStream ? "standard output" : task.output) +
+                return wrong_usage(other->second + " and " + input + " have the same output, " + target.path +
                                    "; use {name} in --output, as in 'out/{name}.svg'");
         }
         std::error_code none;
-        if (task.output != kStandardStream && !path.empty() && std::filesystem::equivalent(input, path, none))
+        if (target.is_replaced && std::filesystem::equivalent(input, target.path, none))
             return wrong_usage("--output " + task.output + " would replace the input " + input);
         tasks.push_back(task);
     }

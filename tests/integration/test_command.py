@@ -18,7 +18,8 @@ import urllib.parse
 import numpy
 from PIL import Image
 
-from harness import PATIENCE, PICTURES, POLYGONS, ROOT, ServerCase, data_uri, execute, pixels, post_json, wait_until
+from harness import (PATIENCE, PICTURES, POLYGONS, ROOT, ServerCase, check_private_dev, data_uri, execute, pixels,
+                     post_json, wait_until)
 
 PROGRAM = pathlib.Path(os.environ["CCDT_COMMAND"])
 PICTURE = PICTURES / "camera.png"
@@ -214,6 +215,29 @@ class Files(Folder):
             self.assertTrue(pipe.read_text().startswith("x,y\n"))
             self.assertEqual(process.wait(PATIENCE), 0)
         self.assertEqual(self.names(), ["pipe"])
+
+    def test_open_files_and_devices_are_written_directly(self):
+        command = [PROGRAM, "sample", "--domain", TORUS, "--sites", 3, "--quiet", "--format=csv", "--output"]
+        check_private_dev(command, self.folder, self.assert_done(run(*command[1:], "-")))
+
+    def test_inputs_share_no_open_file(self):
+        link = self.folder / "link.csv"
+        link.symlink_to("/proc/self/fd/1")
+        inputs = (POLYGONS / "Italy-110m.geojson", POLYGONS / "Switzerland-10m.geojson")
+        self.assert_fails(run("sample", *inputs, "--sites=3", "-o", link), 2, "have the same output")
+
+    def test_a_file_that_is_mounted_is_written_directly(self):
+        output, mounted = self.folder / "a.csv", self.folder / "b.csv"
+        output.touch()
+        mounted.write_text("before " * 1000)
+        command = ("sample", "--domain", TORUS, "--sites=3", "-o")
+        script = 'mount --bind "$1" "$2"; shift 2; exec "$@"'
+        mounting = ("unshare", "--mount", "sh", "-ec", script, "sh", mounted, output)
+        if execute([*mounting, "true"], capture_output=True).returncode != 0:
+            self.skipTest("no mount namespace can be made here")
+        self.assert_done(execute([*mounting, PROGRAM, *command, output], capture_output=True))
+        self.assertEqual((output.read_bytes(), self.names()), (b"", ["a.csv", "b.csv"]))
+        self.assertEqual(mounted.read_bytes(), self.assert_done(run(*command, "-", "--format=csv")))
 
     def test_standard_streams(self):
         dots = self.assert_done(run("halftone", "-", "--sites=300", input=PICTURE.read_bytes()))
