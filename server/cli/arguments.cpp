@@ -16,7 +16,6 @@ namespace {
 constexpr std::uint64_t kMaxThreads = 1024;
 constexpr std::uint64_t kMaxSites = 100'000'000;
 constexpr std::uint64_t kMaxPixels = 1'000'000'000;
-constexpr std::uint64_t kMaxFaces = 100'000'000;
 
 /// Returns the number of characters to insert, delete or replace so that one text becomes the other.
 std::size_t edit_distance(std::string_view a, std::string_view b) {

@@ -29,25 +29,35 @@ api::OutputTarget output_target(const std::string& name) {
     return api::find_output(name);
 }
 
-Result<std::string> read_file(const std::string& name, std::size_t max_bytes) {
-    constexpr std::size_t kPiece = std::size_t{1} << 16;
+Result<std::string> read_file(const std::string& name, std::size_t memory,
+                              const std::function<Result<void>(std::string_view head)>& check_head) {
     const bool is_standard = name == kStandardStream;
     const UniqueFd file(is_standard ? dup(STDIN_FILENO) : open(name.c_str(), O_RDONLY | O_CLOEXEC));
     if (!file) return failure(ErrorCode::Unsupported, std::strerror(errno));
+    const std::size_t max_bytes = memory / 2;
+    const auto too_large = [&] {
+        return failure(ErrorCode::LimitExceeded,
+                       "the file has more bytes than half of the limit (--memory), " + std::to_string(max_bytes));
+    };
     struct stat status {};
     std::string bytes;
-    if (fstat(file.get(), &status) == 0 && S_ISREG(status.st_mode))
-        bytes.reserve(std::min(static_cast<std::size_t>(status.st_size), max_bytes) + kPiece);
+    if (fstat(file.get(), &status) == 0 && S_ISREG(status.st_mode)) {
+        if (static_cast<std::size_t>(status.st_size) > max_bytes) return too_large();
+        bytes.reserve(static_cast<std::size_t>(status.st_size) + kFilePiece);
+    }
+    bool is_checked = false;
     while (true) {
         const std::size_t size = bytes.size();
-        bytes.resize(size + kPiece);
-        const ssize_t count = read(file.get(), bytes.data() + size, kPiece);
+        bytes.resize(size + kFilePiece);
+        const ssize_t count = read(file.get(), bytes.data() + size, kFilePiece);
         bytes.resize(size + static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
         if (count == 0) return bytes;
-        if (bytes.size() > max_bytes)
-            return failure(ErrorCode::LimitExceeded,
-                           "the file has more bytes than the limit (--memory), " + std::to_string(max_bytes));
+        if (bytes.size() > max_bytes) return too_large();
         if (count < 0 && errno != EINTR) return failure(ErrorCode::Unsupported, std::strerror(errno));
+        if (is_checked || !check_head || bytes.size() < kFilePiece) continue;
+        is_checked = true;
+        if (auto checked = check_head(std::string_view(bytes).substr(0, kFilePiece)); !checked)
+            return tl::unexpected(checked.error());
     }
 }
 

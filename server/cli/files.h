@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -17,10 +18,15 @@ namespace ccdt::server {
 /// Name of standard input and of standard output.
 inline constexpr std::string_view kStandardStream = "-";
 
+/// Size of the pieces in which files are read.
+inline constexpr std::size_t kFilePiece = std::size_t{1} << 16;
+
 /// Reads a file, or standard input. The messages of errors do not contain the name.
-/// @param max_bytes  maximum size of the file: the memory limit
-/// Errors: Unsupported if the file cannot be read; LimitExceeded.
-Result<std::string> read_file(const std::string& name, std::size_t max_bytes);
+/// @param memory      the memory limit; the file may have half of it, because a growing buffer needs the other half
+/// @param check_head  checks the first kFilePiece bytes of a file that has more, which may have no end
+/// Errors: Unsupported if the file cannot be read; LimitExceeded; the errors of `check_head`.
+Result<std::string> read_file(const std::string& name, std::size_t memory,
+                              const std::function<Result<void>(std::string_view head)>& check_head = {});
 
 /// Returns the target that the user has named; `-` is standard output.
 api::OutputTarget output_target(const std::string& name);

@@ -194,9 +194,12 @@ private:
         const auto start = std::chrono::steady_clock::now();
         std::optional<std::string> input;
         if (!task.input.empty()) {
-            auto read = read_file(task.input, arguments_.memory);
+            auto read = read_file(task.input, arguments_.memory,
+                                  [this](std::string_view head) { return check_head(command_, head); });
             if (!read) return failed(status_of(read.error(), options_), read.error());
             input = *std::move(read);
+            if (auto checked = check_memory(input->size() + parsing_memory(*input)); !checked)
+                return failed(kFailed, checked.error());
         }
         Arguments arguments = arguments_;
         if (command_.name == "sample" && input && input->starts_with(api::kZipSignature)) {
@@ -234,16 +237,19 @@ private:
         return {};
     }
 
+    Result<void> check_memory(std::size_t needed) const {
+        constexpr std::size_t kMebibyte = std::size_t{1} << 20;
+        if (needed <= arguments_.memory) return {};
+        return failure(ErrorCode::LimitExceeded, "the request may need " + std::to_string(needed / kMebibyte + 1) +
+                                                     " MiB of memory; the limit (--memory) is " +
+                                                     std::to_string(arguments_.memory / kMebibyte) + " MiB");
+    }
+
     Result<api::Answer> compute(const Task& task, const ApiRequest& request, OutputFile& output) {
         const auto parsed = parse_request(command_, request, arguments_.limits);
         if (!parsed) return tl::unexpected(parsed.error());
-        const std::size_t needed = request.body.size() + (*parsed)->cost().memory;
-        if (needed > arguments_.memory) {
-            constexpr std::size_t kMebibyte = std::size_t{1} << 20;
-            return failure(ErrorCode::LimitExceeded, "the request may need " + std::to_string(needed / kMebibyte + 1) +
-                                                         " MiB of memory; the limit (--memory) is " +
-                                                         std::to_string(arguments_.memory / kMebibyte) + " MiB");
-        }
+        if (auto checked = check_memory(request.body.size() + (*parsed)->cost().memory); !checked)
+            return tl::unexpected(checked.error());
         const Control control{
             .stop = {},
             .progress = [&](const Progress& progress) { messages_.report_progress(task.input, progress.done()); },
