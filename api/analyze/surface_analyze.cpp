@@ -99,13 +99,16 @@ Cost cost_of(const SurfaceAnalyzeRequest& request) {
     const auto triangles = static_cast<double>(header.max_triangles);
     // count_mode_vertices() divides a coarse mesh until it has 20 vertices per mode. The last division quadruples their
     // number.
-    const double divided = 4 * 20 * modes;
-    const double most = std::min(std::max(static_cast<double>(header.max_vertices), divided) * modes,
+    constexpr double kPerMode = 20;
+    const double most = std::min(std::max(static_cast<double>(header.max_vertices), 4 * kPerMode * modes) * modes,
                                  static_cast<double>(kMaxModeValues));
-    const double typical = std::max(std::min(triangles / 2, static_cast<double>(kMaxModeValues) / modes), divided / 2);
+    double faces = std::max(triangles, 1.0);
+    double vertices = std::min(static_cast<double>(header.max_vertices), faces / 2 + 2);
+    for (; vertices < kPerMode * modes; faces *= 4) vertices += 1.5 * faces;
+    const double typical = std::min(vertices, static_cast<double>(kMaxModeValues) / modes);
     const Estimate finding{most * kModeValue, typical * modes * (kSolution + kOrthogonal * modes)};
     const Estimate read{static_cast<double>(header.decoder_bytes), 0};
-    return total_cost(then(read, kTriangle * std::max(triangles, 2 * divided) + finding +
+    return total_cost(then(read, kTriangle * std::max(triangles, 8 * kPerMode * modes) + finding +
                                      kPoint * static_cast<double>(request.points.size())));
 }
 

@@ -2,15 +2,10 @@
 #include "ccdt/service.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <fstream>
 #include <system_error>
 #include <utility>
-
-#include <unistd.h>
 
 #include "api/analyze/analyze.h"
 #include "api/decode/decode.h"
@@ -19,6 +14,7 @@
 #include "api/map/object_option.h"
 #include "api/map/shapefile_reader.h"
 #include "api/operation/parsed_request.h"
+#include "api/output/file_writer.h"
 #include "api/output/formats.h"
 #include "api/run/options.h"
 #include "api/sample/pixel_formats.h"
@@ -118,8 +114,9 @@ std::string_view media_type_of(Operation operation, const std::filesystem::path&
           output.string() + ": " + found.error().message + ", or the option format must be given", "output");
 }
 
-[[noreturn]] void fail(const std::filesystem::path& file, const char* what, const char* field) {
-    const std::string reason = errno != 0 ? std::string(": ") + std::strerror(errno) : "";
+[[noreturn]] void fail(const std::filesystem::path& file, const char* what, const std::error_code& error,
+                       const char* field) {
+    const std::string reason = error ? ": " + error.message() : "";
     raise(FailureCode::Unavailable, file.string() + " cannot be " + what + reason, field);
 }
 
@@ -130,38 +127,8 @@ std::string read_file(const std::filesystem::path& file) {
     std::vector<char> piece(std::size_t{1} << 16);
     while (stream.read(piece.data(), static_cast<std::streamsize>(piece.size())) || stream.gcount() > 0)
         bytes.append(piece.data(), static_cast<std::size_t>(stream.gcount()));
-    if (!stream.is_open() || stream.bad()) fail(file, "read", "input");
+    if (!stream.is_open() || stream.bad()) fail(file, "read", {errno, std::generic_category()}, "input");
     return bytes;
-}
-
-/// Returns the file that is written first and then renamed. Devices and pipes are written directly.
-std::filesystem::path draft_of(const std::filesystem::path& file) {
-    static std::atomic<unsigned> drafts = 0;
-    std::error_code ignored;
-    const auto status = std::filesystem::status(file, ignored);
-    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) return file;
-    std::filesystem::path draft = file;
-    draft += ".part" + std::to_string(getpid()) + '-' + std::to_string(drafts++);
-    return draft;
-}
-
-/// Writes a file, which appears when it is complete. If the path is a link to a file, replaces that file.
-void write_file(const std::filesystem::path& path, const std::string& bytes) {
-    std::error_code unresolved;
-    const auto target = std::filesystem::weakly_canonical(path, unresolved);
-    const auto& file = unresolved ? path : target;
-    const std::filesystem::path draft = draft_of(file);
-    errno = 0;
-    std::ofstream stream(draft, std::ios::binary | std::ios::trunc);
-    stream << bytes;
-    stream.close();
-    const bool is_in_place = draft == file;
-    if (stream && (is_in_place || std::rename(draft.c_str(), file.c_str()) == 0)) return;
-    const int reason = errno;
-    std::error_code ignored;
-    if (!is_in_place) std::filesystem::remove(draft, ignored);
-    errno = reason;
-    fail(path, "written", "output");
 }
 
 }  // namespace
@@ -183,7 +150,8 @@ Answer answer_file(Operation operation, const std::filesystem::path& input, cons
     const std::string_view accept = has_format ? std::string_view() : media_type_of(operation, output);
     const std::string body = read_file(input);
     Answer result = answer({operation, body, options, accept}, control);
-    write_file(output, std::exchange(result.body, {}));
+    const auto failed = api::write_file(output.string(), std::exchange(result.body, {}));
+    if (failed) fail(output, "written", failed, "output");
     return result;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <cerrno>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -19,6 +20,7 @@
 #include "api/halftone/device_picture.h"
 #include "api/halftone/halftone.h"
 #include "api/operation/parsed_request.h"
+#include "api/output/file_writer.h"
 #include "api/python/array_mesh.h"
 #include "api/python/array_picture.h"
 #include "api/python/decode_capsule.h"
@@ -398,6 +400,28 @@ Extensions file_extensions() {
     return list;
 }
 
+/// Writes a file. Raises OSError with its name, or the exception of the handler of a signal.
+/// @param path  as bytes
+void write_file(const std::string& path, const py::buffer& data) {
+    const py::buffer_info bytes = data.request();
+    const std::string_view text(static_cast<const char*>(bytes.ptr),
+                                static_cast<std::size_t>(bytes.size * bytes.itemsize));
+    bool is_raised = false;
+    const auto failed = [&] {
+        const py::gil_scoped_release released;
+        return api::write_file(path, text, [&] {
+            const py::gil_scoped_acquire acquired;
+            return is_raised = PyErr_CheckSignals() != 0;
+        });
+    }();
+    if (is_raised) throw py::error_already_set();
+    if (!failed) return;
+    errno = failed.value();
+    const py::object name = py::module_::import("os").attr("fsdecode")(py::bytes(path));
+    PyErr_SetFromErrnoWithFilenameObject(PyExc_OSError, name.ptr());
+    throw py::error_already_set();
+}
+
 std::vector<std::string> option_names(const std::vector<std::string_view>& names) {
     return {names.begin(), names.end()};
 }
@@ -450,6 +474,7 @@ PYBIND11_MODULE(_core, module) {
     module.def(
         "png_pixels", [](const api::Answer& file) { return png_pixels(file.body); }, py::arg("file"));
 
+    module.def("write_file", &write_file, py::arg("path"), py::arg("data"));
     module.def("file_extensions", &file_extensions);
     module.def("halftone_options", [] { return option_names(api::halftone_options()); });
     module.def("device_options", [] { return option_names(api::device_options()); });

@@ -89,7 +89,7 @@ Result<Answer> run_mask(const ThresholdMask& mask, const Control& control, Timin
 }
 
 Estimate cost_of_mask(const ThresholdMask& mask) {
-    constexpr Estimate kPixel{64, 5 * kMicrosecond};
+    constexpr Estimate kPixel{64, 7 * kMicrosecond};
     return kPixel * (mask.torus.width * mask.torus.height * mask.depth.value_or(1));
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
@@ -157,6 +158,16 @@ void order_points(const VolumeRequest& request, const Solid* solid, const VoxelD
               control.stop);
 }
 
+/// Estimates the number of points, and of copies of them in the rim of a torus, that are triangulated for each site.
+double copies_of(const VolumeRequest& request) {
+    if (request.solid || !request.domain.periodic) return 1;
+    constexpr double kRim = 4;  // on both sides together, in spacings
+    const auto& [x, y, z] = request.domain.sides;
+    const double spacing = std::cbrt(x) * std::cbrt(y) * std::cbrt(z) /
+                           std::cbrt(static_cast<double>(request.run.sites + request.run.fixed.size()));
+    return (1 + kRim * spacing / x) * (1 + kRim * spacing / y) * (1 + kRim * spacing / z);
+}
+
 }  // namespace
 
 std::vector<std::string_view> volume_options() {
@@ -239,7 +250,8 @@ Cost cost_of(const VolumeRequest& request) {
                                                      {300, 60 * kMicrosecond},
                                                      {550, 77 * kMicrosecond}}};  // stealthy
     constexpr Estimate kUneven{260, 65 * kMicrosecond}, kSolid{250, 65 * kMicrosecond};
-    constexpr Estimate kMesh{750, 14 * kMicrosecond}, kProgressive{100, 7 * kMicrosecond};
+    constexpr Estimate kMesh{750, 14 * kMicrosecond}, kSolidMesh{750, 120 * kMicrosecond},
+        kProgressive{100, 7 * kMicrosecond};
     constexpr Estimate kTriangle{300, 3.2 * kMicrosecond};           // of a mesh, as for points on its surface
     constexpr double kInBlock = 1'200, kMaxInBlocks = 4.0 * 10'000;  // sites of blocks that are relaxed at a time
     const VolumeOptions& run = request.run;
@@ -249,7 +261,7 @@ Cost cost_of(const VolumeRequest& request) {
     } else if (!request.density.is_uniform.value_or(false)) {
         site = site + kUneven;
     }
-    if (run.keep_mesh) site = site + kMesh;
+    if (run.keep_mesh) site = site + (request.solid ? kSolidMesh : kMesh) * copies_of(request);
     if (request.order == PointOrder::Progressive) site = site + kProgressive;
     const auto count = static_cast<double>(run.sites + run.fixed.size());
     const Estimate points = site * count + Estimate{kInBlock * std::min(count, kMaxInBlocks), 0} +

@@ -15,6 +15,9 @@ namespace {
 
 constexpr double kThinnest = 0.25;  ///< least side of a domain, in spacings
 
+/// Smallest side of a domain. Coordinates in a smaller domain have too few different values.
+constexpr double kShortest = 1e-300;
+
 /// Writes a number with three digits.
 std::string rounded(double value) {
     char digits[32];
@@ -22,7 +25,7 @@ std::string rounded(double value) {
 }
 
 bool is_length(double v) {
-    return std::isfinite(v) && v > 0;
+    return std::isfinite(v) && v >= kShortest;
 }
 
 }  // namespace
@@ -31,7 +34,7 @@ Result<void> check_volume(const BoxDomain3& domain, const VolumeOptions& options
     if (auto checked = check_sites(options); !checked) return checked;
     const Point3 sides = domain.sides;
     if (!is_length(sides.x) || !is_length(sides.y) || !is_length(sides.z))
-        return failure(ErrorCode::Malformed, "the sides must be finite and > 0", "domain");
+        return failure(ErrorCode::Malformed, "the sides must be finite and at least 1e-300", "domain");
     for (std::size_t i = 0; i < options.fixed.size(); ++i) {
         const Point3 p = options.fixed[i];
         const auto within = [](double v, double side) { return v >= 0 && v <= side; };

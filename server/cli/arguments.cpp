@@ -17,7 +17,6 @@ namespace {
 constexpr std::uint64_t kMaxThreads = 1024;
 constexpr std::uint64_t kMaxSites = 100'000'000;
 constexpr std::uint64_t kMaxPixels = 1'000'000'000;
-constexpr std::uint64_t kMaxFaces = 100'000'000;
 
 tl::unexpected<Error> unknown_option(std::span<const Option> options, const std::string& written,
                                      std::string_view name) {

@@ -13,6 +13,9 @@
 
 namespace ccdt::server {
 
+/// Largest value of `--max-faces`.
+inline constexpr std::size_t kMaxFaces = 100'000'000;
+
 /// The arguments of a command that computes answers.
 struct Arguments {
     /// An option of the API, and its value as on the command line.

@@ -2,34 +2,44 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 #include "api/output/body.h"
+#include "api/output/file_writer.h"
 #include "core/result.h"
 #include "server/cli/interruption.h"
-#include "server/processes/unique_fd.h"
 
 namespace ccdt::server {
 
 /// Name of standard input and of standard output.
 inline constexpr std::string_view kStandardStream = "-";
 
-/// Reads a file, or standard input. The messages of errors do not contain the name.
-/// @param max_bytes  maximum size of the file: the memory limit
-/// Errors: Unsupported if the file cannot be read; LimitExceeded.
-Result<std::string> read_file(const std::string& name, std::size_t max_bytes);
+/// Size of the pieces in which files are read.
+inline constexpr std::size_t kFilePiece = std::size_t{1} << 16;
 
-/// Writes an answer to a file or to standard output.
-///
-/// A file is written under a temporary name in its folder, and replaces an existing file when it is complete. So other
-/// programs never see a part of an answer. The mode of an existing file is kept. Devices, pipes and standard output are
-/// written directly.
+/// Reads a file, or standard input. The messages of errors do not contain the name.
+/// @param memory      the memory limit; the file may have half of it, because a growing buffer needs the other half
+/// @param check_head  checks the first kFilePiece bytes of a file that has more, which may have no end
+/// Errors: Unsupported if the file cannot be read; LimitExceeded; the errors of `check_head`.
+Result<std::string> read_file(const std::string& name, std::size_t memory,
+                              const std::function<Result<void>(std::string_view head)>& check_head = {});
+
+/// Returns the target that the user has named; `-` is standard output.
+api::OutputTarget output_target(const std::string& name);
+
+/// Checks that an output can be written. Errors: Internal.
+Result<void> check_output(const std::string& name);
+
+/// Writes an answer to a file or to standard output, as api::FileWriter does.
 class OutputFile : public api::BodySink {
 public:
     /// @param name          as given by the user; `-` for standard output
     /// @param interruption  removes the temporary file if the program is interrupted; must outlive this object
-    OutputFile(std::string name, Interruption& interruption);
+    OutputFile(const std::string& name, Interruption& interruption);
     /// Removes the temporary file unless finish() has succeeded.
     ~OutputFile() override;
     OutputFile(const OutputFile&) = delete;
@@ -44,28 +54,18 @@ public:
     Result<void> finish();
 
     /// Whether an error was returned. All errors are Internal, and their messages contain the name.
-    bool has_failed() const { return failed_; }
+    bool has_failed() const { return has_failed_; }
 
     std::size_t written() const { return written_; }
 
 private:
-    tl::unexpected<Error> fail(int error);
-    Result<void> open_temporary();
+    Result<void> check(const std::error_code& failed);
 
     const std::string name_;
     Interruption& interruption_;
-    std::string target_;     ///< path of the file, with links resolved; empty: written directly
-    std::string temporary_;  ///< empty: none
-    UniqueFd file_;
+    std::optional<api::FileWriter> file_;
     std::size_t written_ = 0;
-    bool failed_ = false;
+    bool has_failed_ = false;
 };
-
-/// Returns the path of a regular file with links resolved, or of a file that does not exist yet; empty for any other
-/// file, such as a device, a pipe or a folder.
-std::string replaceable_path(const std::string& name);
-
-/// Checks that a file can be created in its folder, or replaced. Errors: Internal.
-Result<void> check_output(const std::string& name);
 
 }  // namespace ccdt::server

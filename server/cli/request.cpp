@@ -9,12 +9,15 @@
 
 #include "api/analyze/point_file_reader.h"
 #include "api/halftone/device_picture.h"
+#include "api/image/image_header.h"
 #include "api/input/domain_reader.h"
 #include "api/input/negotiation.h"
 #include "api/input/npy_reader.h"
 #include "api/json/json_document.h"
+#include "api/map/shapefile_reader.h"
 #include "api/operation/body_kind.h"
 #include "api/output/json_pieces.h"
+#include "api/sample/sample_cost.h"
 #include "api/sample/voxel_input.h"
 #include "api/surface/surface_header.h"
 #include "api/text/base64.h"
@@ -28,6 +31,14 @@ namespace {
 bool begins_like_json(std::string_view text) {
     const auto start = api::trim(text, " \t\r\n");
     return start.starts_with('{') || start.starts_with('[');
+}
+
+/// Whether a file may be a binary STL by its number of facets, which is too large for no limit.
+bool may_be_binary_stl(std::string_view head) {
+    constexpr std::size_t kCount = 80;  // offset of the number, with the lowest byte first
+    std::size_t facets = 0;
+    for (std::size_t i = 4; i-- > 0;) facets = facets << 8 | static_cast<unsigned char>(head[kCount + i]);
+    return facets > 0 && facets <= kMaxFaces;
 }
 
 /// Replaces the subject of a message about a body, which is a file or a value here.
@@ -152,6 +163,10 @@ Result<ApiRequest> build_request(const Command& command, const Arguments& argume
     return std::move(body).map([](std::string text) { return ApiRequest{std::move(text), {}}; });
 }
 
+std::size_t parsing_memory(std::string_view input) {
+    return begins_like_json(input) ? api::cost_of_parsing(input).memory : 0;
+}
+
 Result<api::ParsedPointer> parse_request(const Command& command, const ApiRequest& request, const api::Limits& limits) {
     const auto& [body, options] = request;
     if (command.name == "halftone")
@@ -160,13 +175,25 @@ Result<api::ParsedPointer> parse_request(const Command& command, const ApiReques
     return api::parse_analyze_request(body, options, "", limits);
 }
 
+Result<void> check_head(const Command& command, std::string_view head) {
+    if (command.name == "halftone") return api::recognise_image(head).map([](api::ImageFormat) {});
+    const bool has_only_text = head.find('\0') == std::string_view::npos;
+    if (has_only_text || api::is_npy(head) || api::is_voxel_file(head) || head.starts_with(api::kZipSignature) ||
+        api::recognise_surface(head) || may_be_binary_stl(head))
+        return {};
+    return failure(ErrorCode::Unsupported, "this is neither a text nor a binary file of a known format");
+}
+
 Result<void> read_value_files(Arguments& arguments) {
     std::vector<std::string*> files;
     for (auto& [option, value] : arguments.given) {
         const bool is_mesh = names_mesh(*option);
         if (!is_mesh && (!option->takes_json || !value.starts_with('@'))) continue;
         const std::string file = value.substr(value.starts_with('@') ? 1 : 0);
-        auto content = read_file(file, arguments.memory);
+        auto content = read_file(file, arguments.memory, [](std::string_view head) -> Result<void> {
+            if (api::recognise_image(head)) return {};
+            return check_head(*find_command("sample"), head);
+        });
         if (content && is_mesh && !api::recognise_surface(*content))
             content = failure(ErrorCode::Unsupported, "this is not an STL, OBJ, PLY, OFF, GLB or glTF file");
         if (!content) return failure(content.error().code, file + ": " + content.error().message, option->member);
@@ -190,9 +217,9 @@ Result<const api::FileFormat*> find_format(const Command& command, const Argumen
         const auto found = std::ranges::find(formats, *name, &api::FileFormat::name);
         return found == formats.end() ? formats.front() : *found;  // the parser reports an unknown name
     }
-    if (output == kStandardStream || replaceable_path(output).empty()) return formats.front();
     const auto found = api::format_of_suffix(std::filesystem::path(output).extension().string(), formats);
     if (found) return formats[*found];
+    if (!output_target(output).is_replaced) return formats.front();
     return failure(ErrorCode::Malformed,
                    "output " + output + ": " + found.error().message + ", or --format must be given", "output");
 }

@@ -26,6 +26,9 @@ struct ApiRequest {
 /// of points that cannot be read; LimitExceeded for too many points.
 Result<ApiRequest> build_request(const Command& command, const Arguments& arguments, const std::string* input);
 
+/// Estimates the memory for parsing an input, in bytes.
+std::size_t parsing_memory(std::string_view input);
+
 /// Parses a request. The result may point into it.
 Result<api::ParsedPointer> parse_request(const Command& command, const ApiRequest& request, const api::Limits& limits);
 
@@ -34,6 +37,11 @@ Result<api::ParsedPointer> parse_request(const Command& command, const ApiReques
 /// replaces the file of the mesh on which points are analysed. Errors: those of read_file(), with the member as
 /// Error::field and the name of the file in the message.
 Result<void> read_value_files(Arguments& arguments);
+
+/// Checks the first bytes of a large input, so that a file of no known format, which may have no end, is not read.
+/// Errors: those of recognise_image() for pictures; otherwise Unsupported for bytes that are no text, unless they begin
+/// a binary file that the command reads.
+Result<void> check_head(const Command& command, std::string_view head);
 
 /// Finds the format of an output. The option `format` names it, or else the suffix of the file's name chooses it.
 /// Without either, it is the default.

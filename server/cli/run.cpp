@@ -10,6 +10,7 @@
 #include <new>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -61,6 +62,14 @@ std::string output_for(const std::string& input, std::string output) {
     return output;
 }
 
+/// Returns a text that is the same for all names of a target.
+std::string place_of(const api::OutputTarget& target) {
+    if (target.descriptor >= 0) return std::to_string(target.descriptor);
+    std::error_code unresolved;
+    const auto path = std::filesystem::weakly_canonical(target.path, unresolved);
+    return unresolved ? target.path : path.string();
+}
+
 /// Pairs each input with its output.
 tl::expected<std::vector<Task>, Failed> plan_tasks(const Command& command, const Arguments& arguments) {
     std::vector<std::string> inputs = arguments.inputs;
@@ -76,19 +85,18 @@ tl::expected<std::vector<Task>, Failed> plan_tasks(const Command& command, const
         inputs.emplace_back();
     }
     std::vector<Task> tasks;
-    std::map<std::string, std::string> input_of;  ///< by the path of the output
+    std::map<std::string, std::string> input_of;  ///< by place_of() the output
     for (const std::string& input : inputs) {
         const Task task{input, output_for(input, arguments.output.value_or(std::string(kStandardStream)))};
-        const std::string path = replaceable_path(task.output);
-        if (task.output == kStandardStream || !path.empty()) {
-            const auto [other, is_new] = input_of.try_emplace(task.output == kStandardStream ? "-" : path, input);
+        const api::OutputTarget target = output_target(task.output);
+        if (target.is_replaced || target.descriptor >= 0) {
+            const auto [other, is_new] = input_of.try_emplace(place_of(target), input);
             if (!is_new)
-                return wrong_usage(other->second + " and " + input + " have the same output, " +
-                                   (task.output == kStandardStream ? "standard output" : task.output) +
+                return wrong_usage(other->second + " and " + input + " have the same output, " + target.path +
                                    "; use {name} in --output, as in 'out/{name}.svg'");
         }
         std::error_code none;
-        if (task.output != kStandardStream && !path.empty() && std::filesystem::equivalent(input, path, none))
+        if (target.is_replaced && std::filesystem::equivalent(input, target.path, none))
             return wrong_usage("--output " + task.output + " would replace the input " + input);
         tasks.push_back(task);
     }
@@ -186,9 +194,12 @@ private:
         const auto start = std::chrono::steady_clock::now();
         std::optional<std::string> input;
         if (!task.input.empty()) {
-            auto read = read_file(task.input, arguments_.memory);
+            auto read = read_file(task.input, arguments_.memory,
+                                  [this](std::string_view head) { return check_head(command_, head); });
             if (!read) return failed(status_of(read.error(), options_), read.error());
             input = *std::move(read);
+            if (auto checked = check_memory(input->size() + parsing_memory(*input)); !checked)
+                return failed(kFailed, checked.error());
         }
         Arguments arguments = arguments_;
         if (command_.name == "sample" && input && input->starts_with(api::kZipSignature)) {
@@ -226,16 +237,19 @@ private:
         return {};
     }
 
+    Result<void> check_memory(std::size_t needed) const {
+        constexpr std::size_t kMebibyte = std::size_t{1} << 20;
+        if (needed <= arguments_.memory) return {};
+        return failure(ErrorCode::LimitExceeded, "the request may need " + std::to_string(needed / kMebibyte + 1) +
+                                                     " MiB of memory; the limit (--memory) is " +
+                                                     std::to_string(arguments_.memory / kMebibyte) + " MiB");
+    }
+
     Result<api::Answer> compute(const Task& task, const ApiRequest& request, OutputFile& output) {
         const auto parsed = parse_request(command_, request, arguments_.limits);
         if (!parsed) return tl::unexpected(parsed.error());
-        const std::size_t needed = request.body.size() + (*parsed)->cost().memory;
-        if (needed > arguments_.memory) {
-            constexpr std::size_t kMebibyte = std::size_t{1} << 20;
-            return failure(ErrorCode::LimitExceeded, "the request may need " + std::to_string(needed / kMebibyte + 1) +
-                                                         " MiB of memory; the limit (--memory) is " +
-                                                         std::to_string(arguments_.memory / kMebibyte) + " MiB");
-        }
+        if (auto checked = check_memory(request.body.size() + (*parsed)->cost().memory); !checked)
+            return tl::unexpected(checked.error());
         const Control control{
             .stop = {},
             .progress = [&](const Progress& progress) { messages_.report_progress(task.input, progress.done()); },

@@ -36,6 +36,7 @@ constexpr std::size_t kJobBytes = std::size_t{1} << 30;
 /// Values set by flags and variables. The optional members have defaults that depend on other values.
 struct Draft {
     Config config;
+    std::optional<std::size_t> workers;
     std::optional<std::size_t> threads_per_request;
     std::optional<std::size_t> queue;
     std::optional<std::size_t> connections;
@@ -194,8 +195,8 @@ std::vector<std::string> all_allowed_hosts(const Draft& draft) {
 constexpr auto kSettings = std::to_array<Setting>({
     {"--port", "PORT", "N", "port to listen on, 0 for any free port (8080)", set_port},
     {"--bind", "BIND", "ADDRESS", "address to listen on, or unix:PATH (127.0.0.1)", set_bind},
-    {"--workers", "CCDT_WORKERS", "N", "simultaneous computations (one per core)",
-     [](Draft& draft, std::string_view text) { return set_whole(draft.config.workers, text, 1, 1024); }},
+    {"--workers", "CCDT_WORKERS", "N", "simultaneous computations (one per core, at most one per 64MiB of --memory)",
+     [](Draft& draft, std::string_view text) { return set_whole(draft.workers.emplace(), text, 1, 1024); }},
     {"--threads-per-request", "CCDT_THREADS_PER_REQUEST", "N",
      "maximum threads of a request while other workers are idle (workers, at most one per core)",
      [](Draft& draft, std::string_view text) { return set_whole(draft.threads_per_request.emplace(), text, 1, 1024); }},
@@ -425,7 +426,6 @@ Result<CommandLine> parse_command_line(std::span<const char* const> arguments, c
 
     Draft draft;
     const std::size_t cores = std::max<std::size_t>(1, std::thread::hardware_concurrency());
-    draft.config.workers = cores;
     if (auto read = read_environment(environment, draft); !read) return tl::unexpected(read.error());
     if (auto read = read_flags(arguments, draft); !read) return tl::unexpected(read.error());
     draft.config.cors_origins = draft.cors_origins.value_or(default_cors_origins(draft.config.bind));
@@ -434,12 +434,13 @@ Result<CommandLine> parse_command_line(std::span<const char* const> arguments, c
         return failure(ErrorCode::Malformed, "--data-dir and --redis: only one of them may be given");
     if (!draft.config.signing.file.empty() && !draft.config.signing.key.empty())
         return failure(ErrorCode::Malformed, "--signing-key-file and CCDT_SIGNING_KEY: only one of them may be given");
+    draft.config.memory = draft.memory.value_or(default_memory(available_memory()));
+    draft.config.workers = draft.workers.value_or(default_workers(cores, draft.config.memory));
     draft.config.threads_per_request = draft.threads_per_request.value_or(std::min(draft.config.workers, cores));
     draft.config.queue = draft.queue.value_or(kQueuePerWorker * draft.config.workers);
     auto& capacity = draft.config.capacity;
     capacity.connections = draft.connections.value_or(kSpareConnections + draft.config.workers + draft.config.queue);
     capacity.reserve = std::max(kMinReserve, capacity.connections / kConnectionsPerReserved);
-    draft.config.memory = draft.memory ? *draft.memory : available_memory() / 2;
     const MemoryShares shares = share_memory(draft.config.memory, draft.config.max_body);
     capacity.bytes = shares.transfers;
     draft.config.cache = draft.cache.value_or(shares.cache);

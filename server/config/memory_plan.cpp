@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "server/config/memory_shares.h"
 #include "server/work/thread_share.h"
 
 namespace ccdt::server {
@@ -16,7 +17,7 @@ constexpr std::size_t kOthers = 160 * kMebibyte;
 /// Memory of an idle computation process, or of the fork server.
 constexpr std::size_t kProcess = 4 * kMebibyte;
 
-constexpr std::size_t kMinForComputations = 192 * kMebibyte;
+constexpr std::size_t kMinForComputations = 48 * kMebibyte;
 
 std::string mebibytes(std::size_t bytes) {
     return std::to_string(bytes / kMebibyte) + " MiB";
@@ -28,10 +29,13 @@ Result<ComputeMemory> memory_to_compute_with(const Config& config, std::size_t r
     const std::size_t kept = config.data_dir.empty() && !config.redis ? config.jobs.bytes : 0;
     const std::size_t processes = (max_computations(config.workers) + 1) * kProcess;  // 1 more: the fork server
     const std::size_t taken = resident + kOthers + processes + config.capacity.bytes + config.cache + kept;
-    if (config.memory < taken + kMinForComputations)
-        return failure(ErrorCode::Malformed, "a memory of " + mebibytes(config.memory) +
-                                                 " leaves too little to compute with: at least " +
-                                                 mebibytes(taken + kMinForComputations) + " are needed (--memory)");
+    const std::size_t needed = taken + kMinForComputations;
+    if (config.memory < needed) {
+        const std::size_t enough = config.memory + growth_for(needed - config.memory) + kMebibyte;
+        return failure(ErrorCode::Malformed,
+                       "a memory of " + mebibytes(config.memory) + " leaves too little to compute with: " +
+                           mebibytes(enough) + " suffice (--memory; by default half of the machine's or container's)");
+    }
     const std::size_t total = config.memory - taken;
     return ComputeMemory{total, total / 4 * 3, total / 4};
 }

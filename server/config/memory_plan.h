@@ -18,7 +18,7 @@ struct ComputeMemory {
 
 /// Returns the memory for requests and computations: the configured memory without all other shares.
 /// @param resident  resident memory of the server process at its start, in bytes
-/// Errors (Malformed): less than 192 MiB is left.
+/// Errors (Malformed): less than 48 MiB are left. The message names a memory that suffices.
 Result<ComputeMemory> memory_to_compute_with(const Config& config, std::size_t resident);
 
 }  // namespace ccdt::server

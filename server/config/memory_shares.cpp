@@ -18,11 +18,30 @@ constexpr std::size_t kCache = 64 * kMebibyte;
 constexpr std::size_t kJobs = 256 * kMebibyte;
 constexpr std::size_t kMemoryPerStoredByte = 16;  ///< the cache and the jobs each get 1/16 of the memory
 
+constexpr std::size_t kPrograms = 192 * kMebibyte;
+constexpr std::size_t kMemoryPerWorker = 64 * kMebibyte;
+
 }  // namespace
 
 MemoryShares share_memory(std::size_t memory, std::size_t max_body) {
-    return {std::min(std::max(kTransfers, kBodiesAtOnce * max_body), memory / kMemoryPerTransferred),
-            std::min(kCache, memory / kMemoryPerStoredByte), std::min(kJobs, memory / kMemoryPerStoredByte)};
+    const std::size_t rest = memory - std::min(memory, kPrograms);
+    return {std::min(std::max(kTransfers, kBodiesAtOnce * max_body), rest / kMemoryPerTransferred),
+            std::min(kCache, rest / kMemoryPerStoredByte), std::min(kJobs, rest / kMemoryPerStoredByte)};
+}
+
+std::size_t growth_for(std::size_t missing) {
+    // 1/4 for transfers, 1/16 each for the cache, for jobs, and for the 4 MiB of a worker.
+    constexpr std::size_t kWorker = 4 * kMebibyte;
+    return (missing + kWorker) / 9 * 16 + 16;
+}
+
+std::size_t default_memory(std::size_t available) {
+    constexpr std::size_t kSmallContainer = 512 * kMebibyte, kForSmallContainer = 320 * kMebibyte;
+    return available < kSmallContainer ? available / 2 : std::max(available / 2, kForSmallContainer);
+}
+
+std::size_t default_workers(std::size_t cores, std::size_t memory) {
+    return std::clamp<std::size_t>(memory / kMemoryPerWorker, 1, cores);
 }
 
 }  // namespace ccdt::server

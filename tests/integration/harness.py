@@ -62,6 +62,61 @@ def join(thread, what, limit=PATIENCE):
         raise AssertionError(f"waited {limit} s for {what}")
 
 
+# Runs a command with the name of an output as its last argument, for each kind of file in a /dev that only it sees.
+# Fails if the files in /dev are not the same afterwards.
+PRIVATE_DEV = r"""
+mount -t tmpfs none /dev
+mknod /dev/null c 1 3
+mknod /dev/full c 1 7
+mknod /dev/disk b 7 255  # a device without a driver
+mkfifo /dev/pipe
+ln -s /proc/self/fd /dev/fd
+ln -s fd/1 /dev/stdout
+ln -s created /dev/dangling
+list() { find /dev -mindepth 1 -printf '%P %y %l\n' | sort; }
+before=$(list)
+for name in /dev/stdout /dev/fd/1 /proc/self/fd/1; do
+    "$@" $name | cat > piped-${name//\//}
+    { echo before; "$@" $name; echo after; } > redirected-${name//\//}
+done
+"$@" /dev/fd/3 3> third
+exec 4<> deleted
+rm deleted
+"$@" /dev/fd/4
+cat /proc/$$/fd/4 > once-deleted
+exec 4>&-
+cat /dev/pipe > through-pipe & "$@" /dev/pipe
+wait $!
+"$@" /dev/null
+"$@" /dev/dangling
+mv /dev/created .
+for name in full disk fd fd/9; do
+    if "$@" /dev/$name 2> error; then echo "$name was written"; fi
+done
+rm error
+diff <(echo "$before") <(list)
+"""
+
+
+def check_private_dev(command, folder, expected):
+    """Checks that a command, whose last argument is the name of its output, writes the expected bytes to all kinds of
+    files in a /dev of its own. The folder must be empty."""
+    unshare = ("unshare", "--mount")
+    if execute([*unshare, "mount", "-t", "tmpfs", "none", "/dev"], capture_output=True).returncode != 0:
+        raise unittest.SkipTest("no mount namespace can be made here")
+    done = execute([*unshare, "bash", "-euo", "pipefail", "-c", PRIVATE_DEV, "bash", *map(str, command)],
+                   cwd=folder, capture_output=True, text=True)
+    if done.returncode != 0 or done.stdout or done.stderr:
+        raise AssertionError(done.stdout + done.stderr)
+    files = list(pathlib.Path(folder).iterdir())
+    if len(files) != 10:
+        raise AssertionError(files)
+    for file in files:
+        before, after = (b"before\n", b"after\n") if file.name.startswith("redirected") else (b"", b"")
+        if file.read_bytes() != before + expected + after:
+            raise AssertionError(f"{file.name}: {file.read_bytes()}")
+
+
 def read_line(process, what):
     """Waits for the first line that a process prints, and returns it. `what` describes it in the message of a failure."""
     if not select.select([process.stdout], [], [], PATIENCE)[0]:

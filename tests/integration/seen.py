@@ -2,10 +2,12 @@
 """Models the appearance of pictures from a distance: blurred light, CIE colours and their differences."""
 
 import numpy
+from PIL import Image
 
-from harness import linear
+from harness import linear, pixels
 
 LIGHT = numpy.vectorize(linear)(numpy.arange(256))
+CHANNELS = numpy.array([0.2126, 0.7152, 0.0722])
 TO_XYZ = numpy.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
 
 
@@ -55,3 +57,29 @@ def ciede2000(one, other):
     off_blue = ((numpy.degrees(hue) % 360 - 275) / 25) ** 2
     twist = numpy.sin(numpy.radians(60 * numpy.exp(-off_blue))) * 2 * numpy.sqrt(chroma ** 7 / (chroma ** 7 + 25.0 ** 7))
     return numpy.sqrt(lightness_part ** 2 + chroma_part ** 2 + hue_part ** 2 - twist * chroma_part * hue_part)
+
+
+def luminance(file):
+    """Returns the luminance of each pixel; transparent ones show white."""
+    rgba = pixels(file, "RGBA")
+    alpha = rgba[..., 3] / 255
+    return LIGHT[rgba[..., :3]] @ CHANNELS * alpha + 1 - alpha
+
+
+def enlarged(plane, shape):
+    """Enlarges or reduces a plane of light to another shape."""
+    return numpy.asarray(Image.fromarray(plane.astype(numpy.float32)).resize(shape[::-1], Image.Resampling.BOX))
+
+
+def tone_errors(wanted, seen, dots):
+    """Returns the mean error of L* after a blur by two pitches, where the picture is dark, and the largest error of a
+    level.
+    """
+    sigma = 2 * (seen.size / dots) ** 0.5
+    wanted = enlarged(wanted, seen.shape)
+    level = lightness(blurred(wanted, sigma))
+    error = lightness(blurred(seen, sigma)) - level
+    dark = level < 20
+    parts = [(level >= low) & (level < low + 5) for low in range(0, 100, 5)]
+    worst = max(abs(error[part].mean()) for part in parts if part.mean() >= 0.005)
+    return error[dark].mean() if dark.mean() > 0.005 else 0, worst

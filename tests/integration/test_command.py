@@ -18,7 +18,8 @@ import urllib.parse
 import numpy
 from PIL import Image
 
-from harness import PATIENCE, PICTURES, POLYGONS, ROOT, ServerCase, data_uri, execute, pixels, post_json, wait_until
+from harness import (PATIENCE, PICTURES, POLYGONS, ROOT, ServerCase, check_private_dev, data_uri, execute, pixels,
+                     post_json, wait_until)
 
 PROGRAM = pathlib.Path(os.environ["CCDT_COMMAND"])
 PICTURE = PICTURES / "camera.png"
@@ -215,6 +216,29 @@ class Files(Folder):
             self.assertEqual(process.wait(PATIENCE), 0)
         self.assertEqual(self.names(), ["pipe"])
 
+    def test_open_files_and_devices_are_written_directly(self):
+        command = [PROGRAM, "sample", "--domain", TORUS, "--sites", 3, "--quiet", "--format=csv", "--output"]
+        check_private_dev(command, self.folder, self.assert_done(run(*command[1:], "-")))
+
+    def test_inputs_share_no_open_file(self):
+        link = self.folder / "link.csv"
+        link.symlink_to("/proc/self/fd/1")
+        inputs = (POLYGONS / "Italy-110m.geojson", POLYGONS / "Switzerland-10m.geojson")
+        self.assert_fails(run("sample", *inputs, "--sites=3", "-o", link), 2, "have the same output")
+
+    def test_a_file_that_is_mounted_is_written_directly(self):
+        output, mounted = self.folder / "a.csv", self.folder / "b.csv"
+        output.touch()
+        mounted.write_text("before " * 1000)
+        command = ("sample", "--domain", TORUS, "--sites=3", "-o")
+        script = 'mount --bind "$1" "$2"; shift 2; exec "$@"'
+        mounting = ("unshare", "--mount", "sh", "-ec", script, "sh", mounted, output)
+        if execute([*mounting, "true"], capture_output=True).returncode != 0:
+            self.skipTest("no mount namespace can be made here")
+        self.assert_done(execute([*mounting, PROGRAM, *command, output], capture_output=True))
+        self.assertEqual((output.read_bytes(), self.names()), (b"", ["a.csv", "b.csv"]))
+        self.assertEqual(mounted.read_bytes(), self.assert_done(run(*command, "-", "--format=csv")))
+
     def test_standard_streams(self):
         dots = self.assert_done(run("halftone", "-", "--sites=300", input=PICTURE.read_bytes()))
         self.assertEqual(pixels(dots).shape, (1000, 1000))
@@ -312,7 +336,7 @@ class Errors(Folder):
                 (2, ("analyze", "-", "--max-frequency=17"), "--max-frequency must be a number from 1 to 16, not '17'"),
                 (1, ("sample", *domain, "--sites=30", "--max-sites=20"), "--sites is 30; the limit (--max-sites) is 20"),
                 (1, ("sample", *domain, "--sites=3000", "--memory=1KiB"), "the limit (--memory) is 0 MiB"),
-                (1, ("analyze", ROOT / "LICENSE", "--memory=1KiB"), "more bytes than the limit (--memory), 1024"),
+                (1, ("analyze", ROOT / "LICENSE", "--memory=1KiB"), "more bytes than half of the limit (--memory), 512"),
                 (1, ("halftone", PICTURE, "--max-pixels=1000"), "the limit (--max-pixels) is 1000"),
                 (3, ("halftone", ROOT / "LICENSE"), "the supported formats are PNG"),
                 (3, ("sample", ROOT / "LICENSE", "--sites=3"), "the input seems to be text; accepted are options"),
@@ -327,6 +351,38 @@ class Errors(Folder):
                 result = run(*arguments, input=b"x,y\n0.1,0.2\n0.3,0.4\n")
                 self.assert_fails(result, status, message)
                 self.assertEqual(result.stdout, b"")
+
+    def run_measured(self, *arguments, stdin=subprocess.DEVNULL):
+        """Returns the messages of a program, and its peak memory in bytes."""
+        with start(*arguments, stdin=stdin, stderr=subprocess.PIPE) as process:
+            message = process.stderr.read().decode()
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+        return message, usage.ru_maxrss << 10
+
+    def test_endless_inputs_are_not_read(self):
+        zeros = "/dev/zero"
+        for arguments in (("halftone", zeros), ("sample", zeros, "--sites=3"), ("analyze", zeros),
+                          ("sample", "--domain", TORUS, "--sites=3", f"--density=@{zeros}"),
+                          ("analyze", zeros, f"--mesh={zeros}")):
+            with self.subTest(arguments):
+                message, peak = self.run_measured(*arguments)
+                self.assertIn(f"{zeros}: ", message)
+                self.assertLess(peak, 256 << 20)
+
+    def test_inputs_stay_within_the_memory(self):
+        picture = PICTURE.read_bytes()
+        script = 'cat "$0"; head -c 400000000 /dev/zero'
+        for begin in (picture, b" " * 100_000, b'{"points":[' + 10_000_000 * b"[],"):
+            start = self.folder / "start"
+            start.write_bytes(begin)
+            for command in ("halftone",) if begin is picture else ("sample", "analyze"):
+                with self.subTest(begin[:10], command=command):
+                    with subprocess.Popen(["sh", "-c", script, start], stdout=subprocess.PIPE) as source:
+                        message, peak = self.run_measured(command, "-", "--memory=300MiB", stdin=source.stdout)
+                        source.stdout.close()
+                    self.assertIn("(--memory)", message)
+                    self.assertLess(peak, 300 << 20)
 
     def test_report_all_wrong_options_once(self):
         result = run("halftone", PICTURE, OTHER, "-o", f"{self.folder}/{{name}}.png", "--sites=0", "--scale=99")

@@ -13,7 +13,7 @@ import ccdt
 import numpy as np
 import pytest
 import shapely.geometry
-from harness import DATA, PICTURES, POLYGONS, execute
+from harness import DATA, PICTURES, POLYGONS, check_private_dev, execute
 from PIL import Image
 from profiles import DISPLAY_P3, rgb_profile
 
@@ -297,10 +297,28 @@ def test_files_keep_their_mode_and_links(tmp_path):
     assert len(list(tmp_path.iterdir())) == 3
 
 
-def test_results_are_written_to_pipes():
-    script = "import ccdt; ccdt.sample(ccdt.Torus(), 20).save('/dev/stdout', 'csv')"
-    done = execute([sys.executable, "-c", script], capture_output=True, check=True)
-    assert done.stdout == ccdt.sample(ccdt.Torus(), 20).write("csv")
+def test_open_files_and_devices_are_written_directly(tmp_path):
+    script = "import sys, ccdt; ccdt.sample(ccdt.Torus(), 20).save(sys.argv[1], 'csv')"
+    # Without the trace of the expected failures.
+    command = ["sh", "-c", '"$@" 2> /dev/null', "sh", sys.executable, "-c", script]
+    check_private_dev(command, tmp_path, ccdt.sample(ccdt.Torus(), 20).write("csv"))
+
+
+INTERRUPTED = """
+import ccdt, os, signal
+signal.signal(signal.SIGALRM, lambda *_: 1 / 0)
+os.mkfifo("pipe")
+signal.setitimer(signal.ITIMER_REAL, 0.1, 0.1)
+try:
+    ccdt.sample(ccdt.Torus(), 5).save("pipe", "csv")
+except ZeroDivisionError:
+    print("interrupted")
+"""
+
+
+def test_waiting_for_a_reader_can_be_interrupted(tmp_path):
+    done = execute([sys.executable, "-c", INTERRUPTED], capture_output=True, text=True, check=True, cwd=tmp_path)
+    assert done.stdout == "interrupted\n"
 
 
 def test_sizes_are_limited_for_each_format():

@@ -5,8 +5,8 @@
     ccdt.halftone("photo.jpg").save("dots.png")
     points = ccdt.sample([[0, 0], [4, 0], [4, 3], [2, 1], [0, 3]], 1000)    # array [1000, 2]
 
-The functions compute in this process. :class:`Client` uses a server instead; it needs neither NumPy nor the extension
-module, which are loaded when a function is first used.
+The functions compute in this process. :class:`Client` uses a server instead; it needs no NumPy, and the extension module
+only to save files. Both are loaded when a function is first used.
 """
 
 from __future__ import annotations

@@ -3,10 +3,7 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
-import secrets
-import stat
 from typing import Any, Union
 
 from .errors import Error
@@ -29,23 +26,9 @@ def read_file(source: Any, name: str, others: str = "") -> bytes:
 def write_file(path: Path, data: Any) -> None:
     """Writes a file. A failure leaves an existing file unchanged.
 
-    The data is written to a new file in the same folder, which then replaces the file and takes over its mode. A file
-    that cannot be replaced, such as a pipe or /dev/stdout, is written directly.
+    The data is written to a new file in the same folder, which then replaces the file and takes over its mode. A link
+    to a file stays. Everything that is not a regular file, such as a pipe or /dev/stdout, is written directly.
     """
-    target = os.path.realpath(path)
-    if os.path.exists(path) and not os.path.isfile(target):
-        with open(path, "wb") as file:
-            file.write(data)
-        return
-    temporary = os.path.join(os.path.dirname(target), f".ccdt-{secrets.token_hex(8)}")
-    try:
-        with open(temporary, "xb") as file:
-            with contextlib.suppress(FileNotFoundError):
-                os.chmod(temporary, stat.S_IMODE(os.stat(target).st_mode))
-            file.write(data)
-        os.replace(temporary, target)
-    except OSError as error:
-        raise OSError(error.errno, error.strerror, os.fspath(path)) from None
-    finally:
-        with contextlib.suppress(OSError):
-            os.unlink(temporary)
+    from . import _core  # loaded only now, because the client reads files without it
+
+    _core.write_file(os.fsencode(path), data)

@@ -2,14 +2,17 @@
 #include "core/volume/distribute_volume.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <stop_token>
 
 #include <gtest/gtest.h>
 
+#include "core/geometry/delaunay3.h"
 #include "core/parallel/thread_executor.h"
 #include "tests/support/solids.h"
 
@@ -241,6 +244,52 @@ TEST(DistributeInVolume, FillsTheDomainWithTetrahedra) {
     }
 }
 
+/// Returns the sorted Delaunay tetrahedra of points on a torus. Triangulates all copies in a window.
+/// @param around  number of copies on each side, for each axis
+std::vector<Tetrahedron> all_tetrahedra(Point3 sides, std::span<const Point3> points, std::array<int, 3> around) {
+    std::vector<Point3> places(points.begin(), points.end());
+    for (int i = -around[0]; i <= around[0]; ++i) {
+        for (int j = -around[1]; j <= around[1]; ++j) {
+            for (int k = -around[2]; k <= around[2]; ++k) {
+                if (i == 0 && j == 0 && k == 0) continue;
+                for (const Point3 p : points) places.push_back(p + Point3{i * sides.x, j * sides.y, k * sides.z});
+            }
+        }
+    }
+    std::vector<Tetrahedron> found;
+    for (Tetrahedron corners : delaunay_tetrahedra(places)) {
+        const auto number = [&](std::uint32_t corner) { return corner % static_cast<std::uint32_t>(points.size()); };
+        const auto lowest = std::ranges::min(corners, {}, [&](auto corner) {
+            return std::array{number(corner), corner};
+        });
+        if (lowest >= points.size()) continue;
+        std::ranges::transform(corners, corners.begin(), number);
+        std::ranges::sort(corners);
+        found.push_back(corners);
+    }
+    std::ranges::sort(found);
+    return found;
+}
+
+TEST(DistributeInVolume, FillsToriWithWideGapsWithTetrahedra) {
+    std::vector<double> corner(512, 0.0);
+    corner[0] = 1;
+    const auto crowded = VoxelDensity::create({8, 8, 8}, corner);
+    ASSERT_TRUE(crowded);
+    const auto compare = [](const BoxDomain3& domain, const VoxelDensity& density, std::size_t sites,
+                            std::array<int, 3> around) {
+        const auto mesh = distributed(domain, {.sites = sites, .keep_mesh = true}, density).mesh;
+        ASSERT_TRUE(mesh);
+        auto tetrahedra = mesh->tetrahedra;
+        for (Tetrahedron& corners : tetrahedra) std::ranges::sort(corners);
+        std::ranges::sort(tetrahedra);
+        EXPECT_EQ(tetrahedra, all_tetrahedra(domain.sides, mesh->vertices, around)) << sites;
+    };
+    for (const std::size_t sites : {3, 5, 17})
+        compare({{1, 0.02, 0.02}, true}, VoxelDensity::uniform(), sites, {2, 24, 24});
+    for (const std::size_t sites : {1, 2, 9, 40}) compare(kTorus, *crowded, sites, {2, 2, 2});
+}
+
 TEST(DistributeInVolume, FollowsTheDensity) {
     // Three quarters of the points belong in the upper half. No point belongs in the last third along y.
     const VoxelDensity density = *VoxelDensity::create({1, 3, 2}, std::array<double, 6>{1, 1, 0, 3, 3, 0});
@@ -323,6 +372,7 @@ TEST(DistributeInVolume, RejectsOptionsOutOfRange) {
     EXPECT_EQ(field({{1, std::numeric_limits<double>::quiet_NaN(), 1}, false}, {.sites = 1}), "domain");
     EXPECT_EQ(field({{1, std::numeric_limits<double>::infinity(), 1}, true}, {.sites = 1}), "domain");
     EXPECT_EQ(field({{1, 1e-3, 1}, true}, {.sites = 100}), "domain");
+    EXPECT_EQ(field({{5e-324, 5e-324, 5e-324}, false}, {.sites = 17}), "domain");
     EXPECT_EQ(field({{1e300, 1e-300, 1}, true}, {.sites = 100}), "domain");
     EXPECT_EQ(field(kBox, {.sites = 1, .fixed = {{0.5, 0.5, 0.5}, {0.5, 1.5, 0.5}}}), "fixed/1");
 }

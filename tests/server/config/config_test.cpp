@@ -42,10 +42,10 @@ TEST(Config, HasTheDocumentedDefaults) {
     EXPECT_EQ(config.capacity.streams, 1024u);
     EXPECT_EQ(config.capacity.per_address, 64u);
     EXPECT_EQ(config.capacity.bytes, std::size_t{256} << 20);
-    EXPECT_EQ(config.cache, std::min(std::size_t{64} << 20, config.memory / 16));
+    EXPECT_EQ(config.cache, std::min(std::size_t{64} << 20, (config.memory - (std::size_t{192} << 20)) / 16));
     EXPECT_EQ(config.data_dir, "");
     EXPECT_EQ(config.jobs.waiting, 1000u);
-    EXPECT_EQ(config.jobs.bytes, std::min(std::size_t{256} << 20, config.memory / 16));
+    EXPECT_EQ(config.jobs.bytes, std::min(std::size_t{256} << 20, (config.memory - (std::size_t{192} << 20)) / 16));
     EXPECT_EQ(config.jobs.ttl, std::chrono::hours(1));
     EXPECT_EQ(config.jobs.timeout, std::chrono::minutes(10));
     EXPECT_EQ(config.cors_origins, std::vector<std::string>{"loopback"});
@@ -230,7 +230,7 @@ TEST(Config, ReadsTheLimitsOnJobs) {
     EXPECT_EQ(parsed->config.jobs.timeout, std::chrono::seconds(7));
     EXPECT_EQ(parsed->config.jobs.bytes, std::size_t{1} << 30);
     EXPECT_EQ(parse({"--job-bytes=3MiB"})->config.jobs.bytes, std::size_t{3} << 20);
-    EXPECT_EQ(parse({"--memory=1GiB"})->config.jobs.bytes, std::size_t{64} << 20);
+    EXPECT_EQ(parse({"--memory=1GiB"})->config.jobs.bytes, std::size_t{52} << 20);
 }
 
 TEST(Config, ReadsTheRedisAddress) {
@@ -248,7 +248,7 @@ TEST(Config, ReadsTheRedisAddress) {
 
 TEST(Config, DerivesTheCacheSizeFromTheMemory) {
     EXPECT_EQ(parse({"--memory=8GiB"})->config.cache, std::size_t{64} << 20);
-    EXPECT_EQ(parse({"--memory=512MiB"})->config.cache, std::size_t{32} << 20);
+    EXPECT_EQ(parse({"--memory=512MiB"})->config.cache, std::size_t{20} << 20);
     EXPECT_EQ(parse({"--cache=3MiB"})->config.cache, std::size_t{3} << 20);
     EXPECT_EQ(parse({"--cache=0"}, {{"CCDT_CACHE", "1MiB"}})->config.cache, 0u);
     EXPECT_FALSE(parse({})->config.cache_shared);
@@ -261,6 +261,11 @@ TEST(Config, PrefersFlagsToTheEnvironment) {
     ASSERT_TRUE(parsed);
     EXPECT_EQ(parsed->config.port, 81);
     EXPECT_EQ(parsed->config.queue, 32u) << "the queue's default follows the number of workers";
+}
+
+TEST(Config, LimitsWorkersToTheMemory) {
+    EXPECT_EQ(parse({"--memory=64MiB"})->config.workers, 1U);
+    EXPECT_EQ(parse({"--memory=64MiB", "--workers=9"})->config.workers, 9U);
 }
 
 TEST(Config, LimitsThreadsPerRequestToWorkersAndCores) {
