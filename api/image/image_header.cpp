@@ -330,7 +330,7 @@ using namespace std::string_view_literals;
 
 /// Returns whether a file is a BMP. Also checks the size of the header, since a text may begin with "BM", too.
 bool is_bmp(std::string_view bytes) {
-    constexpr std::array<std::uint32_t, 7> kInfoSizes = {12, 40, 52, 56, 64, 108, 124};
+    constexpr std::array<std::uint32_t, 8> kInfoSizes = {12, 16, 40, 52, 56, 64, 108, 124};
     const auto size = ByteReader(bytes, false).read(kBmpInfo, 4);
     return bytes.starts_with("BM") && size && std::ranges::find(kInfoSizes, *size) != kInfoSizes.end();
 }

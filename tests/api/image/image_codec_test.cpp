@@ -316,6 +316,27 @@ TEST(ImageCodec, SurroundsAPartialGifFrameByTransparency) {
     EXPECT_NEAR(luminance_at(*picture, 1, 1), 0.2126, 1e-4);
 }
 
+TEST(ImageCodec, ReadsBmpsWithoutTheirLastBytes) {
+    // The last row of 23 pixels of 24 bits ends with three bytes of padding, which are last in the file.
+    std::string file = fixture("rgb.bmp");
+    const auto whole = decode_image(file, kMaxPixels);
+    file[18] = 23;
+    const auto padded = decode_image(file, kMaxPixels);
+    ASSERT_TRUE(padded);
+    for (const std::size_t missing : {1U, 2U, 3U}) {
+        const auto picture = decode_image(std::string_view(file).substr(0, file.size() - missing), kMaxPixels);
+        ASSERT_TRUE(picture) << missing;
+        EXPECT_EQ(picture->luminance, padded->luminance) << missing;
+    }
+    EXPECT_FALSE(decode_image(std::string_view(file).substr(0, file.size() - 4), kMaxPixels));
+    const std::string runs = fixture("runs-8.bmp");
+    ASSERT_TRUE(runs.ends_with(std::string_view("\0\0\0\1", 4)) || runs.ends_with(std::string_view("\0\1", 2)));
+    const std::size_t marks = runs.ends_with(std::string_view("\0\0\0\1", 4)) ? 4 : 2;
+    const auto picture = decode_image(std::string_view(runs).substr(0, runs.size() - marks), kMaxPixels);
+    ASSERT_TRUE(picture);
+    EXPECT_EQ(picture->luminance, decode_image(runs, kMaxPixels)->luminance);
+}
+
 TEST(ImageCodec, RefusesGifFramesOutsideThePicture) {
     for (const std::size_t at : {28U, 30U, 32U, 34U}) {  // left, top, width, height
         std::string file = fixture("part.gif");
