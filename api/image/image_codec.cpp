@@ -41,7 +41,7 @@ bool has_colours_of(const RowSource& source, const ColourConversion& conversion)
 
 /// @param keep_inks  whether a picture with inks keeps them; otherwise they are converted to red, green and blue
 Result<RowSource> open(std::string_view bytes, const ImageHeader& header, bool keep_inks) {
-    if (header.format == ImageFormat::Gif) return open_gif(bytes);
+    if (header.format == ImageFormat::Gif) return open_gif(bytes, header);
     if (header.format == ImageFormat::Bmp) return open_bmp(bytes);
     if (header.format == ImageFormat::Avif) return open_avif(bytes, header);
     if (keep_inks && header.is_ink_jpeg) return open_ink_jpeg(bytes);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <string>
 
 #include "api/image/avif_properties.h"
@@ -167,6 +168,41 @@ Result<ImageHeader> read_gif(std::string_view bytes) {
     const auto height = reader.read(8, 2);
     if (!width || !height) return broken_image();
     ImageHeader header{ImageFormat::Gif, *width, *height, 0};
+/// Returns the size in bytes of a GIF's colour table, from the byte of flags that describes the table.
+std::size_t gif_table(std::uint32_t packed) {
+    return (packed & 0x80) == 0 ? 0 : std::size_t{3} << ((packed & 7) + 1);
+}
+
+/// Returns the offset of the description of a GIF's next frame; none after the last frame, and at an incomplete block.
+/// @param at  offset of a block; receives the offset of the block after the frame
+std::optional<std::size_t> next_gif_frame(std::string_view bytes, std::size_t& at) {
+    constexpr std::uint32_t kExtension = 0x21, kImage = 0x2C;
+    constexpr std::size_t kDescriptor = 10;
+    const ByteReader reader(bytes, false);
+    while (const auto block = reader.read(at, 1)) {
+        const std::size_t begin = at;
+        if (*block == kImage) {
+            at += kDescriptor + gif_table(reader.read(at + 9, 1).value_or(0)) + 1;
+        } else if (*block == kExtension) {
+            at += 2;
+        } else {
+            break;
+        }
+        while (const auto size = reader.read(at, 1)) {
+            at += 1 + *size;
+            if (*size == 0) break;
+        }
+        if (*block == kImage) return begin + 1;
+    }
+    return std::nullopt;
+}
+
+/// Returns the offset of the first block of a GIF after the description of the screen.
+std::size_t gif_blocks(std::string_view bytes) {
+    constexpr std::size_t kScreen = 13;
+    return kScreen + gif_table(ByteReader(bytes, false).read(10, 1).value_or(0));
+}
+
     header.decoder_bytes = header.pixels();
     return header;
 }
@@ -174,6 +210,13 @@ Result<ImageHeader> read_gif(std::string_view bytes) {
 constexpr std::size_t kBmpInfo = 14;  ///< offset of the picture's header, which begins with the header's size
 
 /// Reads the header of a BMP. Its rows are decoded one by one, unless they are run-length encoded.
+    std::size_t at = gif_blocks(bytes);
+    if (const auto frame = next_gif_frame(bytes, at)) {
+        const auto frame_width = reader.read(*frame + 4, 2).value_or(0);
+        const auto frame_height = reader.read(*frame + 6, 2).value_or(0);
+        // Browsers then ignore the screen, and the place of the frame on it.
+        if (frame_width > *width || frame_height > *height) header = {header.format, frame_width, frame_height, 0};
+    }
 Result<ImageHeader> read_bmp(std::string_view bytes) {
     constexpr std::uint32_t kOldInfo = 12;
     const ByteReader reader(bytes, false);
@@ -258,32 +301,10 @@ uint64_t tiff_pages(std::string_view bytes) {
     return pages;
 }
 
-/// Returns the size in bytes of a GIF's colour table, from the byte of flags that describes the table.
-std::size_t gif_table(std::uint32_t packed) {
-    return (packed & 0x80) == 0 ? 0 : std::size_t{3} << ((packed & 7) + 1);
-}
-
-/// Counts the frames of a GIF up to the first incomplete block.
 uint64_t gif_frames(std::string_view bytes) {
-    constexpr std::uint32_t kExtension = 0x21, kImage = 0x2C;
-    constexpr std::size_t kScreen = 13, kDescriptor = 10;
-    const ByteReader reader(bytes, false);
     uint64_t frames = 0;
-    std::size_t at = kScreen + gif_table(reader.read(10, 1).value_or(0));
-    while (const auto block = reader.read(at, 1)) {
-        if (*block == kImage) {
-            ++frames;
-            at += kDescriptor + gif_table(reader.read(at + 9, 1).value_or(0)) + 1;
-        } else if (*block == kExtension) {
-            at += 2;
-        } else {
-            break;
-        }
-        while (const auto size = reader.read(at, 1)) {
-            at += 1 + *size;
-            if (*size == 0) break;
-        }
-    }
+    std::size_t at = gif_blocks(bytes);
+    while (next_gif_frame(bytes, at)) ++frames;
     return frames;
 }
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <thread>
@@ -335,6 +336,26 @@ TEST(ImageCodec, ReadsBmpsWithoutTheirLastBytes) {
     const auto picture = decode_image(std::string_view(runs).substr(0, runs.size() - marks), kMaxPixels);
     ASSERT_TRUE(picture);
     EXPECT_EQ(picture->luminance, decode_image(runs, kMaxPixels)->luminance);
+}
+
+TEST(ImageCodec, ShowsGifFramesBeyondTheScreen) {
+    std::string file = fixture("noise.gif");
+    const auto whole = decode_image(file, kMaxPixels);
+    file[6] = file[8] = 1;  // the screen has 1 x 1 pixel
+    file[7] = file[9] = 0;
+    const auto picture = decode_image(file, kMaxPixels);
+    ASSERT_TRUE(picture) << picture.error().message;
+    EXPECT_EQ(picture->luminance, whole->luminance);
+    EXPECT_EQ(picture->width, whole->width);
+
+    std::string grey = fixture("grey.gif");  // 24 x 16 pixels
+    const std::size_t frame = grey.find(std::string_view("\x2c\0\0\0\0\x18", 6));
+    ASSERT_NE(frame, std::string::npos);
+    grey[frame + 1] = 20;
+    const auto part = decode_image(grey, kMaxPixels);
+    ASSERT_TRUE(part) << part.error().message;
+    EXPECT_EQ(part->width, 24);
+    EXPECT_EQ(std::ranges::count(part->alpha, 1.0F), 4 * 16);
 }
 
 TEST(ImageCodec, RefusesGifFramesOutsideThePicture) {
