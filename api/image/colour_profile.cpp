@@ -47,15 +47,11 @@ constexpr cmsCIExyYTRIPLE kSrgb{{0.64, 0.33, 1}, {0.30, 0.60, 1}, {0.15, 0.06, 1
 constexpr cmsCIExyYTRIPLE kDisplayP3{{0.680, 0.320, 1}, {0.265, 0.690, 1}, {0.150, 0.060, 1}};
 constexpr cmsCIExyYTRIPLE kBt2020{{0.708, 0.292, 1}, {0.170, 0.797, 1}, {0.131, 0.046, 1}};
 
-/// Creates the curve of sRGB or, with other parameters, of BT.709: a power function with a linear part near 0.
-Curve make_curve(const Context& context, double power, double offset, double slope, double foot) {
-    constexpr int kPowerWithFoot = 4;
-    const std::array<double, 5> values = {power, 1 / (1 + offset), offset / (1 + offset), 1 / slope, foot};
-    return {cmsBuildParametricToneCurve(context.get(), kPowerWithFoot, values.data()), cmsFreeToneCurve};
-}
-
+/// Creates the curve of sRGB: a power function with a linear part near 0.
 Curve make_srgb_curve(const Context& context) {
-    return make_curve(context, 2.4, 0.055, 12.92, 0.04045);
+    constexpr int kPowerWithFoot = 4;
+    constexpr std::array<double, 5> kValues = {2.4, 1 / 1.055, 0.055 / 1.055, 1 / 12.92, 0.04045};
+    return {cmsBuildParametricToneCurve(context.get(), kPowerWithFoot, kValues.data()), cmsFreeToneCurve};
 }
 
 Curve make_power(const Context& context, double gamma) {
@@ -205,11 +201,6 @@ std::optional<ColourConversion> read_profile(const Context& context, const Handl
 Handle make_profile(const Context& context, const ColourTags::CodePoints& code) {
     const auto curve = [&]() -> Curve {
         switch (code.transfer) {
-            case 1:
-            case 6:
-            case 14:
-            case 15:
-                return make_curve(context, 1 / 0.45, 0.099, 4.5, 0.081);
             case 4:
                 return make_power(context, 2.2);
             case 8:
@@ -217,7 +208,11 @@ Handle make_profile(const Context& context, const ColourTags::CodePoints& code) 
             case 13:
                 return make_srgb_curve(context);
             default:
+            case 1:  // BT.709, BT.601 and BT.2020 describe cameras; browsers show their values as those of sRGB
+            case 6:
                 return {nullptr, cmsFreeToneCurve};
+            case 14:
+            case 15:
         }
     }();
     switch (code.primaries) {

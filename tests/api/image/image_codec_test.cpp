@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <zlib.h>
+
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -356,6 +358,29 @@ TEST(ImageCodec, ShowsGifFramesBeyondTheScreen) {
     ASSERT_TRUE(part) << part.error().message;
     EXPECT_EQ(part->width, 24);
     EXPECT_EQ(std::ranges::count(part->alpha, 1.0F), 4 * 16);
+}
+
+/// Returns a PNG with another chunk before its other chunks.
+std::string with_chunk(std::string png, const std::string& name, const std::string& data) {
+    constexpr std::size_t kAfterHeader = 33;
+    const auto big_endian = [](std::uint64_t value) {
+        std::string bytes;
+        for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift & 255);
+        return bytes;
+    };
+    const std::string body = name + data;
+    const auto sum = crc32(0, reinterpret_cast<const Bytef*>(body.data()), static_cast<uInt>(body.size()));
+    return png.insert(kAfterHeader, big_endian(data.size()) + body + big_endian(sum));
+}
+
+TEST(ImageCodec, TakesVideoCurvesAsSrgb) {
+    const std::string file = fixture("noise.png");
+    const auto expected = decode_colour_image(file, kMaxPixels);
+    for (const char transfer : {'\1', '\6', '\15', '\16', '\17'}) {
+        const auto picture = decode_colour_image(with_chunk(file, "cICP", {'\1', transfer, '\0', '\1'}), kMaxPixels);
+        ASSERT_TRUE(picture);
+        EXPECT_EQ(picture->green, expected->green) << int{transfer};
+    }
 }
 
 TEST(ImageCodec, RefusesGifFramesOutsideThePicture) {
