@@ -168,10 +168,13 @@ std::optional<ColourConversion> read_table_profile(const Context& context, const
     const Handle wide = make_rgb(context, kD65, kBt2020, make_srgb_curve(context));
     const auto matrix = wide ? light_matrix(context, wide.get()) : std::nullopt;
     if (!matrix) return std::nullopt;
-    const Handle transform = own_transform(
-        context,
-        cmsCreateTransformTHR(context.get(), profile.get(), space == Space::Inks ? TYPE_CMYK_16 : TYPE_RGB_16,
-                              wide.get(), TYPE_RGB_16, INTENT_RELATIVE_COLORIMETRIC, cmsFLAGS_BLACKPOINTCOMPENSATION));
+    const bool is_lab = space == Space::Lab;
+    const cmsUInt32Number type = space == Space::Inks ? TYPE_CMYK_16 : is_lab ? TYPE_Lab_16 : TYPE_RGB_16;
+    // A table between Lab and RGB, which the library would make, has errors of more than 1 in L*.
+    const cmsUInt32Number flags = cmsFLAGS_BLACKPOINTCOMPENSATION | (is_lab ? cmsFLAGS_NOOPTIMIZE : 0);
+    const Handle transform =
+        own_transform(context, cmsCreateTransformTHR(context.get(), profile.get(), type, wide.get(), TYPE_RGB_16,
+                                                     INTENT_RELATIVE_COLORIMETRIC, flags));
     if (!transform) return std::nullopt;
     const auto convert = [transform](const std::uint16_t* from, std::uint16_t* to, std::size_t pixels) {
         cmsDoTransform(transform.get(), from, to, static_cast<cmsUInt32Number>(pixels));
@@ -205,14 +208,14 @@ Handle make_profile(const Context& context, const ColourTags::CodePoints& code) 
                 return make_power(context, 2.2);
             case 8:
                 return make_power(context, 1);
-            case 13:
-                return make_srgb_curve(context);
-            default:
             case 1:  // BT.709, BT.601 and BT.2020 describe cameras; browsers show their values as those of sRGB
             case 6:
-                return {nullptr, cmsFreeToneCurve};
+            case 13:
             case 14:
             case 15:
+                return make_srgb_curve(context);
+            default:
+                return {nullptr, cmsFreeToneCurve};
         }
     }();
     switch (code.primaries) {
@@ -251,6 +254,13 @@ std::optional<ColourConversion> convert_colours(const ColourTags& tags) {
         if (profile) return read_profile(context, profile);
     }
     return tags.primaries ? read_primaries(context, *tags.primaries) : std::nullopt;
+}
+
+std::optional<ColourConversion> convert_lab() {
+    const Context context = make_context();
+    if (!context) return std::nullopt;
+    const Handle profile = own_profile(context, cmsCreateLab4ProfileTHR(context.get(), nullptr));
+    return profile ? read_table_profile(context, profile, Space::Lab) : std::nullopt;
 }
 
 }  // namespace ccdt::api

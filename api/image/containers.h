@@ -60,26 +60,31 @@ struct Segment {
 /// Source: JPEG (ITU-T T.81), B.1.1.
 std::optional<Segment> jpeg_segment(std::string_view bytes, std::size_t at);
 
-/// Reads the first directory of a TIFF file or EXIF block.
+/// Reads a directory of a TIFF file or EXIF block.
 /// Source: TIFF 6.0, 2.
 class TiffDirectory {
 public:
-    static constexpr std::size_t kEntrySize = 12;
+    static constexpr std::uint32_t kWidth = 256, kHeight = 257;  ///< tags of the picture's size
 
+    /// Reads the first directory.
     explicit TiffDirectory(std::string_view bytes);
 
-    /// Returns the first 16-bit or 32-bit integer in the entry of a tag; none if there is no such entry.
-    std::optional<std::uint32_t> number(std::uint32_t tag) const;
+    /// Reads the directory at an offset.
+    TiffDirectory(std::string_view bytes, std::size_t begin);
+
+    /// Returns a 16-bit or 32-bit integer in the entry of a tag; none if there is no such entry or integer.
+    std::optional<std::uint32_t> number(std::uint32_t tag, std::uint32_t index = 0) const;
 
     /// Returns the bytes in the entry of a tag; none if there is no entry, or if the file ends too early.
     std::optional<std::string_view> data(std::uint32_t tag) const;
 
     bool has(std::uint32_t tag) const { return find(tag).has_value(); }
-    std::size_t begin() const { return begin_; }  ///< offset of the directory, which begins with the number of entries
-    std::size_t entries() const { return entries_; }  ///< number of entries as stored
-    const ByteReader& reader() const { return reader_; }
+    std::size_t begin() const { return begin_; }  ///< offset of the directory; 0: none
+    std::size_t next() const;                     ///< offset of the next directory in the file's list; 0: none
 
 private:
+    static constexpr std::size_t kEntrySize = 12;
+
     std::optional<std::size_t> find(std::uint32_t tag) const;
 
     std::string_view bytes_;
