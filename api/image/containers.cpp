@@ -51,15 +51,34 @@ std::optional<Chunk> media_box(std::string_view bytes, std::size_t at) {
 
 std::optional<Segment> jpeg_segment(std::string_view bytes, std::size_t at) {
     const ByteReader reader(bytes, true);
-    while (reader.read(at, 2) == 0xFFFF) ++at;
-    const auto mark = reader.read(at, 2);
-    if (!mark || *mark >> 8 != 0xFF) return std::nullopt;
+    auto mark = reader.read(at, 2);
+    while (mark && (*mark >> 8 != 0xFF || *mark == 0xFF00 || *mark == 0xFFFF)) mark = reader.read(++at, 2);
+    if (!mark) return std::nullopt;
     const std::uint32_t marker = *mark & 0xFF;
     const bool stands_alone = marker == 0x01 || (marker >= 0xD0 && marker <= 0xD9);
-    if (stands_alone) return Segment{marker, {}, at + 2};
+    if (stands_alone) return Segment{marker, {}, at, at + 2};
     const auto length = reader.read(at + 2, 2);
     if (!length || *length < 2) return std::nullopt;
-    return Segment{marker, bytes.substr(at + 4, *length - 2), at + 2 + *length};
+    return Segment{marker, bytes.substr(at + 4, *length - 2), at, at + 2 + *length};
+}
+
+std::string repair_jpeg(std::string_view bytes) {
+    constexpr std::string_view kEnd = "\xff\xd9";
+    constexpr std::uint32_t kScan = 0xDA;
+    std::string repaired(bytes.substr(0, kJpegSegments));
+    std::size_t at = kJpegSegments;
+    bool is_broken = !bytes.ends_with(kEnd);
+    for (auto segment = jpeg_segment(bytes, at); segment; segment = jpeg_segment(bytes, at)) {
+        is_broken = is_broken || segment->begin != at;
+        at = segment->begin;
+        if (segment->marker == kScan) break;
+        const std::string_view part = bytes.substr(at, segment->end - at);
+        repaired += part;
+        at += part.size();
+    }
+    if (!is_broken) return {};
+    repaired += bytes.substr(at);
+    return repaired += kEnd;
 }
 
 TiffDirectory::TiffDirectory(std::string_view bytes)

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace ccdt::api {
@@ -52,13 +53,18 @@ std::optional<Chunk> media_box(std::string_view bytes, std::size_t at);
 struct Segment {
     std::uint32_t marker = 0;    ///< second byte of the marker
     std::string_view data = {};  ///< without the length; in a truncated segment, up to the end of the file
+    std::size_t begin = 0;       ///< offset of the marker
     std::size_t end = 0;         ///< offset after the segment
 };
 
-/// Returns the segment at an offset. Skips fill bytes before the marker. Returns none if there is no marker, or if the
-/// segment has no valid length.
+/// Returns the segment at an offset. Skips all bytes before the marker, as decoders do. Returns none if there is no
+/// marker, or if the segment has no valid length.
 /// Source: JPEG (ITU-T T.81), B.1.1.
 std::optional<Segment> jpeg_segment(std::string_view bytes, std::size_t at);
+
+/// Returns a copy of a JPEG file without bytes between the segments before its first scan, and with the marker of its
+/// end. Decoders only warn of such faults. Returns an empty string if the file has none of them.
+std::string repair_jpeg(std::string_view bytes);
 
 /// Reads a directory of a TIFF file or EXIF block.
 /// Source: TIFF 6.0, 2.

@@ -58,6 +58,8 @@ Result<AnyPicture> read_file(std::string_view bytes, const ImageHeader& header, 
                              const NewPlane& make_plane) {
     const ColourTags tags = read_colour_tags(bytes, header.format);
     auto conversion = convert_colours(tags);
+    const std::string repaired = header.format == ImageFormat::Jpeg ? repair_jpeg(bytes) : std::string();
+    if (!repaired.empty()) bytes = repaired;
     const std::string copy = hide_profile(bytes, header.format);
     if (!copy.empty()) bytes = copy;
     auto source = open(bytes, header, conversion && conversion->space == ColourConversion::Space::Inks);

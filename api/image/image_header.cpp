@@ -95,6 +95,7 @@ Result<ImageHeader> read_jpeg(std::string_view bytes) {
             constexpr uint64_t kCoefficient = 2;  // bytes
             constexpr uint64_t kBlock = 16;       // pixels; sides are rounded up to a multiple of this number
             header.decoder_bytes = (header.width + kBlock) * (header.height + kBlock) * *channels * kCoefficient;
+            header.decoder_bytes += bytes.size();  // for a copy without faults
             header.is_ink_jpeg = *channels == 4;
             if (has_too_many_scans(bytes, segment->end))
                 return failure(ErrorCode::Unusable,

@@ -403,6 +403,29 @@ TEST(ImageCodec, TakesVideoCurvesAsSrgb) {
     }
 }
 
+TEST(ImageCodec, ReadsJpegsWithBytesBetweenSegmentsOrWithoutEnd) {
+    using namespace std::string_literals;
+    for (const auto* name : {"grey.jpg", "progressive.jpg", "cmyk.jpg", "p3.jpg", "inks.jpg", "orientation-6.jpg"}) {
+        const std::string file = fixture(name);
+        const auto expected = decode_image(file, kMaxPixels);
+        ASSERT_TRUE(expected);
+        for (const char* marker : {"\xff\xdb", "\xff\xc4"}) {
+            for (const auto& junk : {"\0\0\0\0"s, "junk"s, "\xff\xff"s, "\1\xff\0\2"s}) {
+                std::string changed = file;
+                const auto picture = decode_image(changed.insert(changed.find(marker), junk), kMaxPixels);
+                ASSERT_TRUE(picture) << name << ' ' << junk << ": " << picture.error().message;
+                EXPECT_EQ(picture->luminance, expected->luminance) << name;
+            }
+        }
+        for (const std::size_t missing : {1U, 2U}) {
+            const auto picture = decode_image(std::string_view(file).substr(0, file.size() - missing), kMaxPixels);
+            ASSERT_TRUE(picture) << name << ' ' << missing << ": " << picture.error().message;
+            EXPECT_EQ(picture->luminance, expected->luminance) << name;
+        }
+        EXPECT_TRUE(decode_image(file + "bytes after the end", kMaxPixels)) << name;
+    }
+}
+
 TEST(ImageCodec, RefusesGifFramesOutsideThePicture) {
     for (const std::size_t at : {28U, 30U, 32U, 34U}) {  // left, top, width, height
         std::string file = fixture("part.gif");
