@@ -22,7 +22,8 @@ enum Compression : std::uint32_t { kNone = 0, kRuns8 = 1, kRuns4 = 2, kFields = 
 
 struct Layout {
     static constexpr std::size_t kFileHeader = 14;
-    static constexpr std::uint32_t kCore = 12, kInfo = 40, kWithAlphaMask = 56;  ///< sizes of headers, in bytes
+    static constexpr std::uint32_t kCore = 12, kShortOs2 = 16, kInfo = 40,
+                                   kWithAlphaMask = 56;  ///< header sizes in bytes
 
     std::uint32_t header = 0;  ///< size of the header, in bytes
     std::size_t width = 0;
@@ -34,6 +35,8 @@ struct Layout {
     std::size_t begin = 0;      ///< offset of the pixels
 
     std::size_t row_size() const { return (width * bits + 31) / 32 * 4; }
+    /// Returns the size of all rows. The last one need not be padded.
+    std::size_t size() const { return (height - 1) * row_size() + (width * bits + 7) / 8; }
     bool has_runs() const { return compression == kRuns8 || compression == kRuns4; }
     bool has_palette() const { return bits <= 8; }
 };
@@ -53,8 +56,10 @@ std::optional<Layout> read_layout(std::string_view bytes) {
         layout.height = static_cast<std::size_t>(height < 0 ? -std::int64_t{height} : height);
         layout.from_top = height < 0;
         layout.bits = reader.read(28, 2).value_or(0);
-        layout.compression = reader.read(30, 4).value_or(0);
-        layout.colours = reader.read(46, 4).value_or(0);
+        if (layout.header != Layout::kShortOs2) {
+            layout.compression = reader.read(30, 4).value_or(0);
+            layout.colours = reader.read(46, 4).value_or(0);
+        }
     }
     constexpr std::uint32_t kMaxSide = 1U << 30;
     if (layout.width < 1 || layout.height < 1 || layout.width > kMaxSide || layout.height > kMaxSide)
@@ -133,12 +138,12 @@ public:
     Runs(std::string_view bytes, const Layout& layout)
         : layout_(layout), reader_(bytes, false), at_(layout.begin), indices_(layout.width * layout.height) {}
 
-    /// @returns  false if the file ends too early
+    /// @returns  false if the file ends before the last pixel; the marks of the end are not necessary
     bool unpack() {
         while (y_ < layout_.height) {
             const auto count = next();
             const auto value = next();
-            if (!count || !value) return false;
+            if (!count || !value) return y_ + 1 == layout_.height && x_ >= layout_.width;
             if (*count > 0) {
                 for (std::uint32_t i = 0; i < *count; ++i) put(index_in(*value, i));
             } else if (*value == 0) {
@@ -218,7 +223,7 @@ public:
             return true;
         }
         const std::size_t left = layout_.begin <= bytes_.size() ? bytes_.size() - layout_.begin : 0;
-        if (layout_.height > left / layout_.row_size()) return false;
+        if (layout_.size() > left) return false;
         has_alpha_ = fields_[3].mask != 0 && any_alpha();
         return true;
     }

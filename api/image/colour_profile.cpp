@@ -47,15 +47,11 @@ constexpr cmsCIExyYTRIPLE kSrgb{{0.64, 0.33, 1}, {0.30, 0.60, 1}, {0.15, 0.06, 1
 constexpr cmsCIExyYTRIPLE kDisplayP3{{0.680, 0.320, 1}, {0.265, 0.690, 1}, {0.150, 0.060, 1}};
 constexpr cmsCIExyYTRIPLE kBt2020{{0.708, 0.292, 1}, {0.170, 0.797, 1}, {0.131, 0.046, 1}};
 
-/// Creates the curve of sRGB or, with other parameters, of BT.709: a power function with a linear part near 0.
-Curve make_curve(const Context& context, double power, double offset, double slope, double foot) {
-    constexpr int kPowerWithFoot = 4;
-    const std::array<double, 5> values = {power, 1 / (1 + offset), offset / (1 + offset), 1 / slope, foot};
-    return {cmsBuildParametricToneCurve(context.get(), kPowerWithFoot, values.data()), cmsFreeToneCurve};
-}
-
+/// Creates the curve of sRGB: a power function with a linear part near 0.
 Curve make_srgb_curve(const Context& context) {
-    return make_curve(context, 2.4, 0.055, 12.92, 0.04045);
+    constexpr int kPowerWithFoot = 4;
+    constexpr std::array<double, 5> kValues = {2.4, 1 / 1.055, 0.055 / 1.055, 1 / 12.92, 0.04045};
+    return {cmsBuildParametricToneCurve(context.get(), kPowerWithFoot, kValues.data()), cmsFreeToneCurve};
 }
 
 Curve make_power(const Context& context, double gamma) {
@@ -172,10 +168,13 @@ std::optional<ColourConversion> read_table_profile(const Context& context, const
     const Handle wide = make_rgb(context, kD65, kBt2020, make_srgb_curve(context));
     const auto matrix = wide ? light_matrix(context, wide.get()) : std::nullopt;
     if (!matrix) return std::nullopt;
-    const Handle transform = own_transform(
-        context,
-        cmsCreateTransformTHR(context.get(), profile.get(), space == Space::Inks ? TYPE_CMYK_16 : TYPE_RGB_16,
-                              wide.get(), TYPE_RGB_16, INTENT_RELATIVE_COLORIMETRIC, cmsFLAGS_BLACKPOINTCOMPENSATION));
+    const bool is_lab = space == Space::Lab;
+    const cmsUInt32Number type = space == Space::Inks ? TYPE_CMYK_16 : is_lab ? TYPE_Lab_16 : TYPE_RGB_16;
+    // A table between Lab and RGB, which the library would make, has errors of more than 1 in L*.
+    const cmsUInt32Number flags = cmsFLAGS_BLACKPOINTCOMPENSATION | (is_lab ? cmsFLAGS_NOOPTIMIZE : 0);
+    const Handle transform =
+        own_transform(context, cmsCreateTransformTHR(context.get(), profile.get(), type, wide.get(), TYPE_RGB_16,
+                                                     INTENT_RELATIVE_COLORIMETRIC, flags));
     if (!transform) return std::nullopt;
     const auto convert = [transform](const std::uint16_t* from, std::uint16_t* to, std::size_t pixels) {
         cmsDoTransform(transform.get(), from, to, static_cast<cmsUInt32Number>(pixels));
@@ -205,16 +204,15 @@ std::optional<ColourConversion> read_profile(const Context& context, const Handl
 Handle make_profile(const Context& context, const ColourTags::CodePoints& code) {
     const auto curve = [&]() -> Curve {
         switch (code.transfer) {
-            case 1:
-            case 6:
-            case 14:
-            case 15:
-                return make_curve(context, 1 / 0.45, 0.099, 4.5, 0.081);
             case 4:
                 return make_power(context, 2.2);
             case 8:
                 return make_power(context, 1);
+            case 1:  // BT.709, BT.601 and BT.2020 describe cameras; browsers show their values as those of sRGB
+            case 6:
             case 13:
+            case 14:
+            case 15:
                 return make_srgb_curve(context);
             default:
                 return {nullptr, cmsFreeToneCurve};
@@ -256,6 +254,13 @@ std::optional<ColourConversion> convert_colours(const ColourTags& tags) {
         if (profile) return read_profile(context, profile);
     }
     return tags.primaries ? read_primaries(context, *tags.primaries) : std::nullopt;
+}
+
+std::optional<ColourConversion> convert_lab() {
+    const Context context = make_context();
+    if (!context) return std::nullopt;
+    const Handle profile = own_profile(context, cmsCreateLab4ProfileTHR(context.get(), nullptr));
+    return profile ? read_table_profile(context, profile, Space::Lab) : std::nullopt;
 }
 
 }  // namespace ccdt::api

@@ -20,7 +20,7 @@ using LightMatrix = std::array<std::array<float, 3>, 3>;
 /// Steps that convert samples to linear light with the primaries of sRGB: first the transform, then the curves, then
 /// the matrix. Each step is optional.
 struct ColourConversion {
-    enum class Space { Grey, Rgb, Inks };
+    enum class Space { Grey, Rgb, Inks, Lab };
 
     Space space = Space::Rgb;  ///< colour space of the samples
     WordTransform transform;   ///< argument of transform_rows(); none: the samples are used as stored
@@ -37,5 +37,8 @@ struct ColourConversion {
 ///           rounding
 /// Source: ICC.1:2022; Little CMS 2.14.
 std::optional<ColourConversion> convert_colours(const ColourTags& tags);
+
+/// Returns the conversion of CIELAB, as in RowSource::Space::Lab.
+std::optional<ColourConversion> convert_lab();
 
 }  // namespace ccdt::api

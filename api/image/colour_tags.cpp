@@ -4,6 +4,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "api/image/avif_properties.h"
@@ -52,6 +53,14 @@ std::optional<std::array<double, 8>> read_primaries(std::string_view data) {
     return values;
 }
 
+/// Returns the exponent that a PNG gives, rounded to hundredths, so that an approximate 2.2 is 2.2.
+std::optional<float> read_gamma(std::string_view data) {
+    constexpr double kUnit = 100'000, kSteps = 100;
+    const double inverse = ByteReader(data, true).read(0, 4).value_or(0) / kUnit;
+    const auto gamma = static_cast<float>(inverse > 0 ? std::round(kSteps / inverse) / kSteps : 0);
+    return gamma > 0 ? std::optional(gamma) : std::nullopt;
+}
+
 /// Reads the tags before the picture data of a PNG.
 ColourTags read_png(std::string_view bytes) {
     ColourTags tags;
@@ -61,9 +70,13 @@ ColourTags read_png(std::string_view bytes) {
         if (chunk->name == "iCCP" && tags.profile.empty()) tags.profile = inflate_profile(chunk->data);
         if (chunk->name == "cICP") tags.code_points = read_code_points(chunk->data);
         if (chunk->name == "cHRM") tags.primaries = read_primaries(chunk->data);
+        if (chunk->name == "gAMA") tags.gamma = read_gamma(chunk->data);
         if (chunk->name == "sRGB") is_srgb = true;
     }
-    if (is_srgb) tags.primaries.reset();
+    if (is_srgb) {
+        tags.primaries.reset();
+        tags.gamma.reset();
+    }
     return tags;
 }
 
@@ -138,29 +151,6 @@ std::string without_marks(std::string_view bytes, std::string_view mark) {
     return kept;
 }
 
-/// Removes the entries of a tag from a TIFF directory. Moves later entries up, together with the offset of the next
-/// directory, which is stored after the entries.
-std::string without_entries(std::string_view bytes, std::uint32_t tag) {
-    constexpr std::size_t kSize = TiffDirectory::kEntrySize;
-    const TiffDirectory directory(bytes);
-    std::string kept(bytes);
-    std::size_t count = 0;
-    std::size_t from = directory.begin() + 2;
-    std::size_t to = from;
-    for (std::size_t i = 0; i < directory.entries() && from + kSize <= bytes.size(); ++i, from += kSize) {
-        if (directory.reader().read(from, 2) == tag) continue;
-        kept.replace(to, kSize, bytes.substr(from, kSize));
-        to += kSize;
-        ++count;
-    }
-    const std::string_view next = bytes.substr(from, 4);
-    kept.replace(to, next.size(), next);
-    const bool big_endian = bytes.starts_with("MM");
-    kept[directory.begin() + (big_endian ? 0 : 1)] = static_cast<char>(count >> 8);
-    kept[directory.begin() + (big_endian ? 1 : 0)] = static_cast<char>(count & 0xFF);
-    return kept;
-}
-
 }  // namespace
 
 ColourTags read_colour_tags(std::string_view bytes, ImageFormat format) {
@@ -220,9 +210,8 @@ std::string hide_profile(std::string_view bytes, ImageFormat format) {
             return without_chunks(bytes, "iCCP");
         case ImageFormat::Jpeg:
             return without_marks(bytes, kJpegMark);
-        case ImageFormat::Tiff:
-            return without_entries(bytes, kTiffTag);
         case ImageFormat::WebP:  // OpenImageIO ignores the profile of a WebP
+        case ImageFormat::Tiff:
         case ImageFormat::Gif:
         case ImageFormat::Bmp:
         case ImageFormat::Avif:

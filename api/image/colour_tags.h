@@ -25,14 +25,15 @@ struct ColourTags {
     std::optional<CodePoints> code_points;  ///< take precedence over the profile
     /// Chromaticities x, y of white, red, green and blue; used only if there is no profile.
     std::optional<std::array<double, 8>> primaries;
+    std::optional<float> gamma = {};  ///< exponent that converts samples to light; used only if there is no profile
 };
 
 /// Maximum size of a profile in bytes. A longer profile is ignored.
 inline constexpr std::size_t kLongestProfile = std::size_t{4} << 20;
 
-/// Reads colour tags: the chunks cICP, iCCP and cHRM of PNG, the segments APP2 of JPEG, the chunk ICCP of WebP, the tag
-/// 34675 of TIFF, and the property colr of AVIF. Broken or incomplete tags are ignored. Sources: PNG (ISO/IEC 15948,
-/// third edition), 11.3.2; ICC.1:2022, annex B; ISO/IEC 14496-12, 12.1.5.
+/// Reads colour tags: the chunks cICP, iCCP, cHRM and gAMA of PNG, the segments APP2 of JPEG, the chunk ICCP of WebP,
+/// the tag 34675 of TIFF, and the property colr of AVIF. Broken or incomplete tags are ignored. Sources: PNG (ISO/IEC
+/// 15948, third edition), 11.3.2; ICC.1:2022, annex B; ISO/IEC 14496-12, 12.1.5.
 ColourTags read_colour_tags(std::string_view bytes, ImageFormat format);
 
 /// Returns whether a file may have a profile. Does not read the profile.

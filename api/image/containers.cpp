@@ -51,22 +51,50 @@ std::optional<Chunk> media_box(std::string_view bytes, std::size_t at) {
 
 std::optional<Segment> jpeg_segment(std::string_view bytes, std::size_t at) {
     const ByteReader reader(bytes, true);
-    while (reader.read(at, 2) == 0xFFFF) ++at;
-    const auto mark = reader.read(at, 2);
-    if (!mark || *mark >> 8 != 0xFF) return std::nullopt;
+    auto mark = reader.read(at, 2);
+    while (mark && (*mark >> 8 != 0xFF || *mark == 0xFF00 || *mark == 0xFFFF)) mark = reader.read(++at, 2);
+    if (!mark) return std::nullopt;
     const std::uint32_t marker = *mark & 0xFF;
     const bool stands_alone = marker == 0x01 || (marker >= 0xD0 && marker <= 0xD9);
-    if (stands_alone) return Segment{marker, {}, at + 2};
+    if (stands_alone) return Segment{marker, {}, at, at + 2};
     const auto length = reader.read(at + 2, 2);
     if (!length || *length < 2) return std::nullopt;
-    return Segment{marker, bytes.substr(at + 4, *length - 2), at + 2 + *length};
+    return Segment{marker, bytes.substr(at + 4, *length - 2), at, at + 2 + *length};
 }
 
-TiffDirectory::TiffDirectory(std::string_view bytes) : bytes_(bytes), reader_(bytes, bytes.starts_with("MM")) {
-    const auto begin = reader_.read(4, 4);
-    if (!begin) return;
-    begin_ = *begin;
-    entries_ = reader_.read(begin_, 2).value_or(0);
+std::string repair_jpeg(std::string_view bytes) {
+    constexpr std::string_view kEnd = "\xff\xd9";
+    constexpr std::uint32_t kScan = 0xDA;
+    std::string repaired(bytes.substr(0, kJpegSegments));
+    std::size_t at = kJpegSegments;
+    bool is_broken = !bytes.ends_with(kEnd);
+    for (auto segment = jpeg_segment(bytes, at); segment; segment = jpeg_segment(bytes, at)) {
+        is_broken = is_broken || segment->begin != at;
+        at = segment->begin;
+        if (segment->marker == kScan) break;
+        const std::string_view part = bytes.substr(at, segment->end - at);
+        repaired += part;
+        at += part.size();
+    }
+    if (!is_broken) return {};
+    repaired += bytes.substr(at);
+    return repaired += kEnd;
+}
+
+TiffDirectory::TiffDirectory(std::string_view bytes)
+    : TiffDirectory(bytes, ByteReader(bytes, bytes.starts_with("MM")).read(4, 4).value_or(0)) {}
+
+TiffDirectory::TiffDirectory(std::string_view bytes, std::size_t begin)
+    : bytes_(bytes), reader_(bytes, bytes.starts_with("MM")) {
+    const auto entries = reader_.read(begin, 2);
+    if (begin == 0 || !entries) return;
+    begin_ = begin;
+    entries_ = *entries;
+}
+
+std::size_t TiffDirectory::next() const {
+    if (begin_ == 0) return 0;
+    return reader_.read(begin_ + 2 + kEntrySize * entries_, 4).value_or(0);
 }
 
 std::optional<std::size_t> TiffDirectory::find(std::uint32_t tag) const {
@@ -79,7 +107,7 @@ std::optional<std::size_t> TiffDirectory::find(std::uint32_t tag) const {
     return std::nullopt;
 }
 
-std::optional<std::uint32_t> TiffDirectory::number(std::uint32_t tag) const {
+std::optional<std::uint32_t> TiffDirectory::number(std::uint32_t tag, std::uint32_t index) const {
     constexpr std::uint32_t kShort = 3, kLong = 4;
     const auto entry = find(tag);
     if (!entry) return std::nullopt;
@@ -87,10 +115,10 @@ std::optional<std::uint32_t> TiffDirectory::number(std::uint32_t tag) const {
     const std::size_t size = type == kShort ? 2 : 4;
     if (type != kShort && type != kLong) return std::nullopt;
     const auto count = reader_.read(*entry + 4, 4);
-    if (!count) return std::nullopt;
-    if (std::uint64_t{*count} * size <= 4) return reader_.read(*entry + 8, size);
+    if (!count || index >= *count) return std::nullopt;
+    if (std::uint64_t{*count} * size <= 4) return reader_.read(*entry + 8 + index * size, size);
     const auto elsewhere = reader_.read(*entry + 8, 4);
-    return elsewhere ? reader_.read(*elsewhere, size) : std::nullopt;
+    return elsewhere ? reader_.read(*elsewhere + index * size, size) : std::nullopt;
 }
 
 std::optional<std::string_view> TiffDirectory::data(std::uint32_t tag) const {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace ccdt::api {
@@ -52,34 +53,44 @@ std::optional<Chunk> media_box(std::string_view bytes, std::size_t at);
 struct Segment {
     std::uint32_t marker = 0;    ///< second byte of the marker
     std::string_view data = {};  ///< without the length; in a truncated segment, up to the end of the file
+    std::size_t begin = 0;       ///< offset of the marker
     std::size_t end = 0;         ///< offset after the segment
 };
 
-/// Returns the segment at an offset. Skips fill bytes before the marker. Returns none if there is no marker, or if the
-/// segment has no valid length.
+/// Returns the segment at an offset. Skips all bytes before the marker, as decoders do. Returns none if there is no
+/// marker, or if the segment has no valid length.
 /// Source: JPEG (ITU-T T.81), B.1.1.
 std::optional<Segment> jpeg_segment(std::string_view bytes, std::size_t at);
 
-/// Reads the first directory of a TIFF file or EXIF block.
+/// Returns a copy of a JPEG file without bytes between the segments before its first scan, and with the marker of its
+/// end. Decoders only warn of such faults. Returns an empty string if the file has none of them.
+std::string repair_jpeg(std::string_view bytes);
+
+/// Reads a directory of a TIFF file or EXIF block.
 /// Source: TIFF 6.0, 2.
 class TiffDirectory {
 public:
-    static constexpr std::size_t kEntrySize = 12;
+    static constexpr std::uint32_t kWidth = 256, kHeight = 257;  ///< tags of the picture's size
 
+    /// Reads the first directory.
     explicit TiffDirectory(std::string_view bytes);
 
-    /// Returns the first 16-bit or 32-bit integer in the entry of a tag; none if there is no such entry.
-    std::optional<std::uint32_t> number(std::uint32_t tag) const;
+    /// Reads the directory at an offset.
+    TiffDirectory(std::string_view bytes, std::size_t begin);
+
+    /// Returns a 16-bit or 32-bit integer in the entry of a tag; none if there is no such entry or integer.
+    std::optional<std::uint32_t> number(std::uint32_t tag, std::uint32_t index = 0) const;
 
     /// Returns the bytes in the entry of a tag; none if there is no entry, or if the file ends too early.
     std::optional<std::string_view> data(std::uint32_t tag) const;
 
     bool has(std::uint32_t tag) const { return find(tag).has_value(); }
-    std::size_t begin() const { return begin_; }  ///< offset of the directory, which begins with the number of entries
-    std::size_t entries() const { return entries_; }  ///< number of entries as stored
-    const ByteReader& reader() const { return reader_; }
+    std::size_t begin() const { return begin_; }  ///< offset of the directory; 0: none
+    std::size_t next() const;                     ///< offset of the next directory in the file's list; 0: none
 
 private:
+    static constexpr std::size_t kEntrySize = 12;
+
     std::optional<std::size_t> find(std::uint32_t tag) const;
 
     std::string_view bytes_;

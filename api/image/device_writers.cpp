@@ -121,7 +121,7 @@ Result<std::string> write_packed_rows(const DevicePixels& pixels, const PixelOpt
 }
 
 Result<std::string> write_escpos(const DevicePixels& pixels, const PixelOptions&, const std::stop_token& stop) {
-    constexpr int kBand = 256;  // rows; printers have buffers of limited size
+    constexpr int kBand = 255;  // rows; buffers are small, and some printers read only the low byte of the number
     assert(pixels.colours.size() == 2);
     const bool is_first_dark = luminance_of(pixels.colours[0]) < luminance_of(pixels.colours[1]);
     const auto row_size = static_cast<std::size_t>((pixels.width + 7) / 8);

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "api/image/broken_image.h"
@@ -55,13 +56,20 @@ bool read_pixels(GifFileType& file, Frame& frame) {
     return read_rows(0, 8) && read_rows(4, 8) && read_rows(2, 4) && read_rows(1, 2);
 }
 
-bool read_frame(GifFileType& file, Frame& frame) {
+bool read_frame(GifFileType& file, const ImageHeader& header, Frame& frame) {
     if (DGifGetImageDesc(&file) == GIF_ERROR) return false;
     frame.place = file.Image;
     const auto& [left, top, width, height, interlaced, own_palette] = frame.place;
     const ColorMapObject* const palette = own_palette != nullptr ? own_palette : file.SColorMap;
-    const bool fits = width > 0 && height > 0 && left + width <= file.SWidth && top + height <= file.SHeight;
-    if (!fits || palette == nullptr) return false;
+    // A picture in a frame beyond the screen is that frame.
+    if (width > file.SWidth || height > file.SHeight) {
+        file.SWidth = width;
+        file.SHeight = height;
+        frame.place.Left = frame.place.Top = 0;
+    }
+    const bool is_seen = width > 0 && height > 0 && left < file.SWidth && top < file.SHeight;
+    const bool is_expected = std::cmp_equal(file.SWidth, header.width) && std::cmp_equal(file.SHeight, header.height);
+    if (!is_expected || !is_seen || palette == nullptr) return false;
     std::copy_n(palette->Colors, palette->ColorCount, frame.palette.begin());
     return read_pixels(file, frame);
 }
@@ -81,10 +89,10 @@ bool read_extension(GifFileType& file, Frame& frame) {
 }
 
 /// Finds the first frame, and reads the frame and the extensions before it.
-bool find_frame(GifFileType& file, Frame& frame) {
+bool find_frame(GifFileType& file, const ImageHeader& header, Frame& frame) {
     auto type = UNDEFINED_RECORD_TYPE;
     while (DGifGetRecordType(&file, &type) != GIF_ERROR) {
-        if (type == IMAGE_DESC_RECORD_TYPE) return read_frame(file, frame);
+        if (type == IMAGE_DESC_RECORD_TYPE) return read_frame(file, header, frame);
         if (type != EXTENSION_RECORD_TYPE || !read_extension(file, frame)) return false;
     }
     return false;
@@ -97,7 +105,8 @@ void write_row(const Frame& frame, int y, int width, std::size_t channels, std::
     if (y < place.Top || y >= place.Top + place.Height) return;
     const auto row = static_cast<std::size_t>(y - place.Top) * static_cast<std::size_t>(place.Width);
     to += static_cast<std::size_t>(place.Left) * channels;
-    for (std::size_t i = row; i < row + static_cast<std::size_t>(place.Width); ++i, to += channels) {
+    const auto seen = static_cast<std::size_t>(std::min(place.Width, width - place.Left));
+    for (std::size_t i = row; i < row + seen; ++i, to += channels) {
         if (frame.pixels[i] == frame.transparent) continue;
         const auto& [red, green, blue] = frame.palette[frame.pixels[i]];
         to[0] = red;
@@ -109,15 +118,17 @@ void write_row(const Frame& frame, int y, int width, std::size_t channels, std::
 
 }  // namespace
 
-Result<RowSource> open_gif(std::string_view bytes) {
+Result<RowSource> open_gif(std::string_view bytes, const ImageHeader& header) {
     const std::unique_ptr<GifFileType, Close> file(DGifOpen(&bytes, read_bytes, nullptr));
     const auto frame = std::make_shared<Frame>();
-    if (!file || !find_frame(*file, *frame)) return broken_image();
+    if (!file || !find_frame(*file, header, *frame)) return broken_image();
 
     RowSource source;
     source.width = file->SWidth;
     source.height = file->SHeight;
-    const bool covers = frame->place.Width == source.width && frame->place.Height == source.height;
+    const GifImageDesc& place = frame->place;
+    const bool covers =
+        place.Left == 0 && place.Top == 0 && place.Width >= source.width && place.Height >= source.height;
     source.channels = covers && frame->transparent == NO_TRANSPARENT_COLOR ? 3 : 4;
     source.alpha = source.channels == 4 ? 3 : -1;
     source.read = [frame, width = source.width, channels = static_cast<std::size_t>(source.channels)](

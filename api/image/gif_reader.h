@@ -3,6 +3,7 @@
 
 #include <string_view>
 
+#include "api/image/image_header.h"
 #include "api/image/row_source.h"
 #include "core/result.h"
 
@@ -11,13 +12,15 @@ namespace ccdt::api {
 /// Decodes the first frame of a GIF file by giflib. Parts of the picture that the frame does not cover are transparent.
 ///
 /// Needs one byte of memory per pixel.
-/// @param bytes  must outlive the row source
-/// Errors: Unusable for a broken or truncated file, for a file without a frame, and for a frame that extends beyond the
-/// picture. The empty block after the frame and all data after this block may be missing.
+/// @param bytes   must outlive the row source
+/// @param header  result of read_image_header()
+/// If the frame is wider or higher than the screen, it is the picture. Otherwise, its parts beyond the screen are left
+/// out. Errors: Unusable for a broken or truncated file, for a file without a frame, and for a frame that lies beyond
+/// the screen. The empty block after the frame and all data after this block may be missing.
 /// Source: GIF89a (CompuServe, 1990).
 ///
 /// Why not OpenImageIO: version 2.4 needs four times the memory, reads wrong colours where the palette is too short,
 /// and applies the transparent colour of an earlier control block.
-Result<RowSource> open_gif(std::string_view bytes);
+Result<RowSource> open_gif(std::string_view bytes, const ImageHeader& header);
 
 }  // namespace ccdt::api

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -17,12 +16,14 @@
 #include "api/image/broken_image.h"
 #include "api/image/colour_profile.h"
 #include "api/image/colour_tags.h"
+#include "api/image/containers.h"
 #include "api/image/gif_reader.h"
 #include "api/image/image_header.h"
 #include "api/image/ink_jpeg.h"
 #include "api/image/library_reader.h"
 #include "api/image/picture_reader.h"
 #include "api/image/row_source.h"
+#include "api/image/tiff_reader.h"
 
 namespace ccdt::api {
 namespace {
@@ -32,30 +33,42 @@ bool has_colours_of(const RowSource& source, const ColourConversion& conversion)
         case ColourConversion::Space::Grey:
             return source.channels < 3;
         case ColourConversion::Space::Rgb:
-            return source.channels >= 3 && !source.has_inks;
+            return source.channels >= 3 && source.space == RowSource::Space::Light;
         case ColourConversion::Space::Inks:
-            return source.has_inks;
+            return source.space == RowSource::Space::Inks;
+        case ColourConversion::Space::Lab:
+            return source.space == RowSource::Space::Lab;
     }
     return false;
 }
 
 /// @param keep_inks  whether a picture with inks keeps them; otherwise they are converted to red, green and blue
 Result<RowSource> open(std::string_view bytes, const ImageHeader& header, bool keep_inks) {
-    if (header.format == ImageFormat::Gif) return open_gif(bytes);
+    if (header.format == ImageFormat::Gif) return open_gif(bytes, header);
     if (header.format == ImageFormat::Bmp) return open_bmp(bytes);
     if (header.format == ImageFormat::Avif) return open_avif(bytes, header);
+    if (header.format == ImageFormat::Tiff)
+        return open_tiff(bytes, header, keep_inks ? TiffUse::Inks : TiffUse::Light, TiffDirectory(bytes).begin());
     if (keep_inks && header.is_ink_jpeg) return open_ink_jpeg(bytes);
-    return open_by_library(bytes, header, keep_inks);
+    return open_by_library(bytes, header);
 }
 
 template <class AnyPicture>
 Result<AnyPicture> read_file(std::string_view bytes, const ImageHeader& header, int reduce,
                              const NewPlane& make_plane) {
-    auto conversion = convert_colours(read_colour_tags(bytes, header.format));
+    const ColourTags tags = read_colour_tags(bytes, header.format);
+    auto conversion = convert_colours(tags);
+    const std::string repaired = header.format == ImageFormat::Jpeg ? repair_jpeg(bytes) : std::string();
+    if (!repaired.empty()) bytes = repaired;
     const std::string copy = hide_profile(bytes, header.format);
     if (!copy.empty()) bytes = copy;
     auto source = open(bytes, header, conversion && conversion->space == ColourConversion::Space::Inks);
     if (!source) return tl::unexpected(source.error());
+    if (tags.gamma) {
+        source->curve = *tags.gamma == 1 ? RowSource::Curve::Linear : RowSource::Curve::Gamma;
+        source->gamma = *tags.gamma;
+    }
+    if (source->space == RowSource::Space::Lab) conversion = convert_lab();
     if (conversion && !has_colours_of(*source, *conversion)) conversion.reset();
     if (conversion && conversion->transform) source = transform_rows(*std::move(source), conversion->transform);
     return read_picture<AnyPicture>(*source, conversion ? &*conversion : nullptr, reduce, make_plane);
@@ -82,6 +95,16 @@ bool copy_page(const RowSource& source, float* values) {
     return copy_rows<float>(source, values);
 }
 
+/// Checks that a page has the size of the first page.
+Result<void> check_page_size(const TiffDirectory& page, const ImageHeader& header, const std::string& name) {
+    const auto width = page.number(TiffDirectory::kWidth).value_or(0),
+               height = page.number(TiffDirectory::kHeight).value_or(0);
+    if (width == header.width && height == header.height) return {};
+    return failure(ErrorCode::Unusable, name + " has " + std::to_string(width) + " x " + std::to_string(height) +
+                                            " pixels, but page 1 has " + std::to_string(header.width) + " x " +
+                                            std::to_string(header.height));
+}
+
 /// Reads the pages of a TIFF as the layers of a stack, one below the other.
 Result<Picture> read_stack(std::string_view bytes, const ImageHeader& header, std::size_t max_pixels,
                            const NewPlane& make_plane) {
@@ -89,10 +112,12 @@ Result<Picture> read_stack(std::string_view bytes, const ImageHeader& header, st
     const auto layer = static_cast<std::size_t>(header.pixels()), size = layer * header.frames;
     const std::shared_ptr<float[]> values = make_plane(size);
     std::optional<RowSource::Sample> sample;
-    for (std::size_t page = 0; page < header.frames; ++page) {
-        const auto source = open_by_library(bytes, header, false, static_cast<int>(page));
-        if (!source) return tl::unexpected(source.error());
+    TiffDirectory directory(bytes);
+    for (std::size_t page = 0; page < header.frames; ++page, directory = TiffDirectory(bytes, directory.next())) {
         const std::string name = "page " + std::to_string(page + 1);
+        if (auto checked = check_page_size(directory, header, name); !checked) return tl::unexpected(checked.error());
+        const auto source = open_tiff(bytes, header, TiffUse::Values, directory.begin());
+        if (!source) return tl::unexpected(source.error());
         if (source->channels != 1) return failure(ErrorCode::Unusable, name + " is not grey");
         if (source->sample != sample.value_or(source->sample))
             return failure(ErrorCode::Unusable, name + " has samples of another type than page 1");
@@ -102,18 +127,10 @@ Result<Picture> read_stack(std::string_view bytes, const ImageHeader& header, st
     return Picture{static_cast<int>(header.width), static_cast<int>(size / header.width), Plane(values, size), {}};
 }
 
-/// Returns the mutex of OpenImageIO's TIFF reader, which has known bugs with several threads.
-std::mutex& tiff_mutex() {
-    static std::mutex mutex;
-    return mutex;
-}
-
 template <class AnyPicture>
 Result<AnyPicture> decode(std::string_view bytes, const Reading& reading, const NewPlane& make_plane) {
     const auto header = read_image_header(bytes, reading.max_pixels);
     if (!header) return tl::unexpected(header.error());
-    std::unique_lock<std::mutex> lock;
-    if (header->format == ImageFormat::Tiff) lock = std::unique_lock(tiff_mutex());
     try {
         if constexpr (std::is_same_v<AnyPicture, Picture>) {
             if (reading.is_stack) return read_stack(bytes, *header, reading.max_pixels, make_plane);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <string>
 
 #include "api/image/avif_properties.h"
@@ -16,10 +17,9 @@ namespace {
 
 using std::uint64_t;
 
-constexpr uint64_t kReaderBytes = uint64_t{16} << 20;     ///< bytes that decoding any file needs
-constexpr uint64_t kConvertedBytes = uint64_t{64} << 20;  ///< bytes that the library allocates to convert samples
-constexpr uint64_t kProfileBytes = uint64_t{32} << 20;    ///< bytes for the tables of a profile
-constexpr uint64_t kRowBytes = 48;                        ///< bytes for the rows being read, per pixel of the width
+constexpr uint64_t kReaderBytes = uint64_t{16} << 20;   ///< bytes that decoding any file needs
+constexpr uint64_t kProfileBytes = uint64_t{32} << 20;  ///< bytes for the tables of a profile
+constexpr uint64_t kRowBytes = 48;                      ///< bytes for the rows being read, per pixel of the width
 
 /// Returns whether all chunks up to the last one are complete. OpenImageIO leaks memory if a chunk is incomplete.
 bool is_whole_png(std::string_view bytes) {
@@ -96,6 +96,7 @@ Result<ImageHeader> read_jpeg(std::string_view bytes) {
             constexpr uint64_t kCoefficient = 2;  // bytes
             constexpr uint64_t kBlock = 16;       // pixels; sides are rounded up to a multiple of this number
             header.decoder_bytes = (header.width + kBlock) * (header.height + kBlock) * *channels * kCoefficient;
+            header.decoder_bytes += bytes.size();  // for a copy without faults
             header.is_ink_jpeg = *channels == 4;
             if (has_too_many_scans(bytes, segment->end))
                 return failure(ErrorCode::Unusable,
@@ -133,32 +134,74 @@ Result<ImageHeader> read_webp(std::string_view bytes) {
 }
 
 namespace tiff {
-constexpr std::uint32_t kWidth = 256;
-constexpr std::uint32_t kHeight = 257;
 constexpr std::uint32_t kBitsPerSample = 258;
+constexpr std::uint32_t kCompression = 259;
 constexpr std::uint32_t kOrientation = 274;
 constexpr std::uint32_t kSamplesPerPixel = 277;
+constexpr std::uint32_t kRowsPerStrip = 278;
+constexpr std::uint32_t kTileWidth = 322;
+constexpr std::uint32_t kTileHeight = 323;
+constexpr std::uint32_t kLzma = 34925;
+constexpr std::uint32_t kZstandard = 50000;
 }  // namespace tiff
 
+/// Reads the header of a TIFF, whose strips or rows of tiles are decoded one by one. A strip may be the whole picture.
 Result<ImageHeader> read_tiff(std::string_view bytes) {
+    constexpr uint64_t kDictionary = uint64_t{72} << 20;  // bytes of the largest usual dictionary, with a margin
     const TiffDirectory directory(bytes);
-    const auto width = directory.number(tiff::kWidth);
-    const auto height = directory.number(tiff::kHeight);
+    const auto width = directory.number(TiffDirectory::kWidth);
+    const auto height = directory.number(TiffDirectory::kHeight);
     if (!width || !height) return broken_image();
-    const auto bits = directory.number(tiff::kBitsPerSample);
-    // If the bits per sample are missing, OpenImageIO assumes 8 although the default is 1, and returns uninitialised
-    // memory.
-    if (!bits) {
-        return failure(ErrorCode::Unusable,
-                       "the server does not read this kind of image: a TIFF without bits per sample");
-    }
     ImageHeader header{ImageFormat::Tiff, *width, *height, 0};
-    // A strip may be the whole picture. Up to three copies exist: the stored data, the decoded data, and the converted
-    // colours.
-    const uint64_t samples = std::min(directory.number(tiff::kSamplesPerPixel).value_or(1), 5U);
-    const uint64_t pixel = samples * std::clamp((*bits + 7) / 8, 1U, 8U);
-    header.decoder_bytes = kConvertedBytes + (header.pixels() + kMaxTilePixels) * (2 * pixel + 4);
+    const uint64_t most = header.pixels() + kMaxTilePixels;
+    const uint64_t columns = directory.number(tiff::kTileWidth).value_or(*width);
+    const uint64_t rows =
+        directory.number(tiff::kTileHeight).value_or(directory.number(tiff::kRowsPerStrip).value_or(*height));
+    const uint64_t band_rows = std::min<uint64_t>(rows, *height);
+    // The reader refuses larger blocks, so the band has at most twice as many pixels.
+    const uint64_t block = std::min(columns * rows, most), band = std::min((*width + columns) * band_rows, 2 * most);
+    const uint64_t samples = std::min(directory.number(tiff::kSamplesPerPixel).value_or(1), kMaxTiffSamples);
+    const uint64_t pixel = samples * std::clamp((directory.number(tiff::kBitsPerSample).value_or(1) + 7) / 8, 1U, 8U);
+    // The codec may have a copy of a block, and the reader another one.
+    header.decoder_bytes = (2 * block + band) * pixel;
+    const auto compression = directory.number(tiff::kCompression);
+    if (compression == tiff::kLzma || compression == tiff::kZstandard) header.decoder_bytes += kDictionary;
     return header;
+}
+
+/// Returns the size in bytes of a GIF's colour table, from the byte of flags that describes the table.
+std::size_t gif_table(std::uint32_t packed) {
+    return (packed & 0x80) == 0 ? 0 : std::size_t{3} << ((packed & 7) + 1);
+}
+
+/// Returns the offset of the description of a GIF's next frame; none after the last frame, and at an incomplete block.
+/// @param at  offset of a block; receives the offset of the block after the frame
+std::optional<std::size_t> next_gif_frame(std::string_view bytes, std::size_t& at) {
+    constexpr std::uint32_t kExtension = 0x21, kImage = 0x2C;
+    constexpr std::size_t kDescriptor = 10;
+    const ByteReader reader(bytes, false);
+    while (const auto block = reader.read(at, 1)) {
+        const std::size_t begin = at;
+        if (*block == kImage) {
+            at += kDescriptor + gif_table(reader.read(at + 9, 1).value_or(0)) + 1;
+        } else if (*block == kExtension) {
+            at += 2;
+        } else {
+            break;
+        }
+        while (const auto size = reader.read(at, 1)) {
+            at += 1 + *size;
+            if (*size == 0) break;
+        }
+        if (*block == kImage) return begin + 1;
+    }
+    return std::nullopt;
+}
+
+/// Returns the offset of the first block of a GIF after the description of the screen.
+std::size_t gif_blocks(std::string_view bytes) {
+    constexpr std::size_t kScreen = 13;
+    return kScreen + gif_table(ByteReader(bytes, false).read(10, 1).value_or(0));
 }
 
 /// Reads the header of a GIF. Its first frame is decoded as a whole, to a byte per pixel.
@@ -168,6 +211,13 @@ Result<ImageHeader> read_gif(std::string_view bytes) {
     const auto height = reader.read(8, 2);
     if (!width || !height) return broken_image();
     ImageHeader header{ImageFormat::Gif, *width, *height, 0};
+    std::size_t at = gif_blocks(bytes);
+    if (const auto frame = next_gif_frame(bytes, at)) {
+        const auto frame_width = reader.read(*frame + 4, 2).value_or(0);
+        const auto frame_height = reader.read(*frame + 6, 2).value_or(0);
+        // Browsers then ignore the screen, and the place of the frame on it.
+        if (frame_width > *width || frame_height > *height) header = {header.format, frame_width, frame_height, 0};
+    }
     header.decoder_bytes = header.pixels();
     return header;
 }
@@ -243,48 +293,19 @@ uint64_t webp_frames(std::string_view bytes) {
     return frames;
 }
 
-/// Counts the pages of a TIFF. The directories of the pages are a linked list; if the list is circular, the count ends
-/// at a maximum.
+/// Counts the pages of a TIFF. If the list of directories is circular, the count ends at a maximum.
 uint64_t tiff_pages(std::string_view bytes) {
     constexpr uint64_t kMax = 65'535;
-    const ByteReader reader(bytes, bytes.starts_with("MM"));
     uint64_t pages = 0;
-    auto at = reader.read(4, 4);
-    while (at && *at != 0 && pages < kMax) {
-        const auto entries = reader.read(*at, 2);
-        if (!entries) break;
+    for (TiffDirectory page(bytes); page.begin() != 0 && pages < kMax; page = TiffDirectory(bytes, page.next()))
         ++pages;
-        at = reader.read(*at + 2 + TiffDirectory::kEntrySize * *entries, 4);
-    }
     return pages;
 }
 
-/// Returns the size in bytes of a GIF's colour table, from the byte of flags that describes the table.
-std::size_t gif_table(std::uint32_t packed) {
-    return (packed & 0x80) == 0 ? 0 : std::size_t{3} << ((packed & 7) + 1);
-}
-
-/// Counts the frames of a GIF up to the first incomplete block.
 uint64_t gif_frames(std::string_view bytes) {
-    constexpr std::uint32_t kExtension = 0x21, kImage = 0x2C;
-    constexpr std::size_t kScreen = 13, kDescriptor = 10;
-    const ByteReader reader(bytes, false);
     uint64_t frames = 0;
-    std::size_t at = kScreen + gif_table(reader.read(10, 1).value_or(0));
-    while (const auto block = reader.read(at, 1)) {
-        if (*block == kImage) {
-            ++frames;
-            at += kDescriptor + gif_table(reader.read(at + 9, 1).value_or(0)) + 1;
-        } else if (*block == kExtension) {
-            at += 2;
-        } else {
-            break;
-        }
-        while (const auto size = reader.read(at, 1)) {
-            at += 1 + *size;
-            if (*size == 0) break;
-        }
-    }
+    std::size_t at = gif_blocks(bytes);
+    while (next_gif_frame(bytes, at)) ++frames;
     return frames;
 }
 
@@ -331,9 +352,29 @@ using namespace std::string_view_literals;
 
 /// Returns whether a file is a BMP. Also checks the size of the header, since a text may begin with "BM", too.
 bool is_bmp(std::string_view bytes) {
-    constexpr std::array<std::uint32_t, 7> kInfoSizes = {12, 40, 52, 56, 64, 108, 124};
+    constexpr std::array<std::uint32_t, 8> kInfoSizes = {12, 16, 40, 52, 56, 64, 108, 124};
     const auto size = ByteReader(bytes, false).read(kBmpInfo, 4);
     return bytes.starts_with("BM") && size && std::ranges::find(kInfoSizes, *size) != kInfoSizes.end();
+}
+
+/// Returns the EXIF block of a JPEG, PNG or WebP; empty if there is none.
+std::string_view find_exif(std::string_view bytes, ImageFormat format) {
+    constexpr std::uint32_t kApp1 = 0xE1;
+    if (format == ImageFormat::Jpeg) {
+        for (auto part = jpeg_segment(bytes, kJpegSegments); part && part->marker != kJpegScan;
+             part = jpeg_segment(bytes, part->end)) {
+            if (part->marker == kApp1 && part->data.starts_with("Exif\0"sv)) return part->data;
+        }
+    } else if (format == ImageFormat::Png) {
+        for (auto chunk = png_chunk(bytes, kPngChunks); chunk; chunk = png_chunk(bytes, chunk->end)) {
+            if (chunk->name == "eXIf") return chunk->data;
+        }
+    } else if (format == ImageFormat::WebP) {
+        for (auto chunk = riff_chunk(bytes, kRiffChunks); chunk; chunk = riff_chunk(bytes, chunk->end)) {
+            if (chunk->name == "EXIF") return chunk->data;
+        }
+    }
+    return {};
 }
 
 }  // namespace
@@ -378,17 +419,10 @@ std::string describe_frame(const ImageHeader& header) {
            (stands_apart ? "the main picture" : "the first") + " is used";
 }
 
-int webp_orientation(std::string_view bytes) {
-    std::size_t at = kRiffChunks;
-    while (const auto chunk = riff_chunk(bytes, at)) {
-        if (chunk->name == "EXIF") {
-            std::string_view exif = chunk->data;
-            if (exif.starts_with("Exif")) exif.remove_prefix(std::min<std::size_t>(6, exif.size()));
-            return static_cast<int>(TiffDirectory(exif).number(tiff::kOrientation).value_or(1));
-        }
-        at = chunk->end;
-    }
-    return 1;
+int exif_orientation(std::string_view bytes, ImageFormat format) {
+    std::string_view exif = find_exif(bytes, format);
+    if (exif.starts_with("Exif")) exif.remove_prefix(std::min<std::size_t>(6, exif.size()));
+    return static_cast<int>(TiffDirectory(exif).number(tiff::kOrientation).value_or(1));
 }
 
 }  // namespace ccdt::api

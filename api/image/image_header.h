@@ -35,7 +35,10 @@ struct ImageFile {
     std::shared_ptr<const std::string> decoded = {};  ///< owns the file if it was decoded from base64; otherwise null
 };
 
-/// Maximum number of pixels that all tiles of a TIFF together may have outside the picture.
+/// Maximum number of samples of a pixel in a TIFF.
+inline constexpr std::uint32_t kMaxTiffSamples = 16;
+
+/// Maximum number of pixels that a tile of a TIFF may have in addition to the number of pixels of the picture.
 inline constexpr std::uint64_t kMaxTilePixels = std::uint64_t{1} << 20;
 
 /// Longest side of an AVIF that its codec allows.
@@ -52,8 +55,8 @@ Result<ImageFormat> recognise_image(std::string_view bytes);
 
 /// Reads the header of the first picture in a file.
 ///
-/// Errors: the errors of recognise_image(); Unusable for a broken or truncated header, for a TIFF that does not state
-/// its bits per sample, and for a JPEG with more than 100 scans; LimitExceeded for more than max_pixels pixels.
+/// Errors: the errors of recognise_image(); Unusable for a broken or truncated header, and for a JPEG with more
+/// than 100 scans; LimitExceeded for more than max_pixels pixels.
 /// Sources: PNG (ISO/IEC 15948), 5 and 11.2.2; JPEG (ITU-T T.81), B.1 and B.2.2; WebP (RFC 9649), 2; TIFF 6.0, 2;
 /// GIF89a, 18; Microsoft's BITMAPINFOHEADER; HEIF (ISO/IEC 23008-12), 6.5.3 and 6.5.6.
 Result<ImageHeader> read_image_header(std::string_view bytes, std::size_t max_pixels);
@@ -61,7 +64,8 @@ Result<ImageHeader> read_image_header(std::string_view bytes, std::size_t max_pi
 /// Describes which frame or page is read, if there are several; empty otherwise.
 std::string describe_frame(const ImageHeader& header);
 
-/// Returns the orientation in a WebP file's EXIF block, 1 to 8; 1 if there is none.
-int webp_orientation(std::string_view bytes);
+/// Returns the orientation in the first EXIF block of a JPEG (a segment APP1), PNG (the chunk eXIf, also after the
+/// picture data) or WebP (the chunk EXIF), 1 to 8; 1 if there is none. Texts that contain EXIF are ignored.
+int exif_orientation(std::string_view bytes, ImageFormat format);
 
 }  // namespace ccdt::api

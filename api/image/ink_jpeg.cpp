@@ -80,7 +80,7 @@ Result<RowSource> open_ink_jpeg(std::string_view bytes) {
     source.width = file->width();
     source.height = file->height();
     source.channels = kInks;
-    source.has_inks = true;
+    source.space = RowSource::Space::Inks;
     source.step = kRows;
     source.read = [file](int begin, int end, void* rows) {
         return file->read(end - begin, static_cast<std::uint8_t*>(rows));

@@ -28,7 +28,7 @@ struct Reading {
     /// whole squares is not reduced.
     int reduce;
     /// Whether the file is a TIFF whose pages are the layers of a stack, which are then read one below the other.
-    /// Samples are not converted to light: integers of 8 and 16 bits and floats keep their values.
+    /// Samples of these pages are not converted to light.
     bool is_stack = false;
 };
 

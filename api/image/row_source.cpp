@@ -33,7 +33,7 @@ public:
           transform_(std::move(transform)),
           width_(static_cast<std::size_t>(source_.width)),
           channels_(static_cast<std::size_t>(source_.channels)),
-          colours_(source_.has_inks ? 4 : 3) {}
+          colours_(source_.space == RowSource::Space::Inks ? 4 : 3) {}
 
     bool operator()(int begin, int end, void* rows) {
         const auto count = static_cast<std::size_t>(end - begin);
@@ -86,7 +86,7 @@ RowSource transform_rows(RowSource source, WordTransform transform) {
     transformed.channels = source.alpha < 0 ? 3 : 4;
     transformed.alpha = source.alpha < 0 ? -1 : 3;
     transformed.premultiplied = false;
-    transformed.has_inks = false;
+    transformed.space = RowSource::Space::Light;
     const auto sample = source.sample;
     if (sample == RowSource::Sample::Byte)
         transformed.read = Transformer<std::uint8_t>(std::move(source), std::move(transform));

@@ -11,14 +11,17 @@ namespace ccdt::api {
 struct RowSource {
     enum class Sample { Byte, Word, Float };  ///< type of samples; the float 1.0 corresponds to the largest integer
     enum class Curve { Srgb, Gamma, Linear };
+    /// Meaning of the channels without alpha: grey, or red, green and blue; cyan, magenta, yellow and black; CIELAB of
+    /// the white D50, with the integers of ICC profiles, version 4.
+    enum class Space { Light, Inks, Lab };
 
     int width = 0;
     int height = 0;
-    int channels = 1;  ///< if at least 3, the first three are red, green and blue; otherwise the first one is grey
+    int channels = 1;  ///< in Space::Light: if at least 3, the first three are red, green and blue; else one is grey
     Sample sample = Sample::Byte;
+    Space space = Space::Light;
     int alpha = -1;  ///< channel of alpha; -1: none
     bool premultiplied = false;
-    bool has_inks = false;  ///< whether the channels are the amounts of cyan, magenta, yellow and black
     Curve curve = Curve::Srgb;
     float gamma = 1;      ///< exponent of Curve::Gamma
     int orientation = 1;  ///< orientation of EXIF, 1 to 8; other values are treated as 1, upright
@@ -34,7 +37,7 @@ struct RowSource {
 using WordTransform = std::function<void(const std::uint16_t* from, std::uint16_t* to, std::size_t pixels)>;
 
 /// Returns a source of the same rows with 16-bit red, green and blue, not premultiplied. Alpha is kept.
-/// @param transform  converts the colours of the source to red, green and blue; they are inks if the source has inks
+/// @param transform  converts the colours of the source, in its space, to red, green and blue
 RowSource transform_rows(RowSource source, WordTransform transform);
 
 }  // namespace ccdt::api

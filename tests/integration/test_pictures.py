@@ -134,6 +134,17 @@ class Formats(ServerCase):
                                  refused.get(path.name, 200))
         self.assertNotIn("crash", self.server.log())
 
+    def test_tiffs_of_every_kind_are_decoded_in_confinement(self):
+        refused = {"signed.tif": "8-bit signed grey", "thumbnail.tif": "thumbnail"}
+        for path in sorted((ROOT / "tests" / "fuzz" / "seeds" / "image").glob("*.tif")):
+            with self.subTest(name=path.name):
+                answer = self.ask("/halftone?sites=100&iterations=0&scale=1", data=path.read_bytes())
+                if path.name in refused:
+                    self.assert_problem(answer, 422, refused[path.name])
+                else:
+                    self.assertEqual(answer.status, 200)
+        self.assertNotIn("crash", self.server.log())
+
     def test_broken_avifs_are_refused(self):
         file = (FIXTURES / "tiles.avif").read_bytes()
         for size in (40, 300, len(file) // 2, len(file) - 1):

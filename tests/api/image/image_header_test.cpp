@@ -39,6 +39,8 @@ TEST(ImageHeader, EstimatesTheMemoryOfTheDecoder) {
     EXPECT_GE(decoder_bytes("cmyk.jpg"), by_rows + 24U * 16U * 4U * 2U);
     EXPECT_GE(decoder_bytes("lossless.webp"), by_rows + 24U * 16U * 8U);
     EXPECT_GE(decoder_bytes("float.tif"), by_rows + 24U * 16U * 4U);
+    EXPECT_LT(decoder_bytes("float.tif"), 32U << 20);
+    EXPECT_GE(decoder_bytes("huge-tile.tif"), by_rows + kMaxTilePixels);
     EXPECT_GE(decoder_bytes("grey.gif"), by_rows + 24U * 16U);
     EXPECT_GE(decoder_bytes("runs-8.bmp"), by_rows + 24U * 16U);
     EXPECT_GE(decoder_bytes("lossless.avif"), by_rows + 24U * 16U * 15U);
@@ -56,9 +58,10 @@ TEST(ImageHeader, DescribesWhichFrameIsRead) {
 
 TEST(ImageHeader, EndsCyclicListsOfPages) {
     std::string file = fixture("lzw.tif");
+    constexpr std::size_t kEntry = 12;
     const ByteReader reader(file, false);
     const std::uint32_t first = *reader.read(4, 4);
-    const std::size_t next = first + 2 + TiffDirectory::kEntrySize * *reader.read(first, 2);
+    const std::size_t next = first + 2 + kEntry * *reader.read(first, 2);
     file.replace(next, 4, file, 4, 4);
     EXPECT_EQ(read_image_header(file, kMaxPixels)->frames, 65'535U);
 }
@@ -155,9 +158,14 @@ TEST(ImageHeader, RefusesJpegsWithTooManyScans) {
     EXPECT_NE(refused.error().message.find("100 scans"), std::string::npos);
 }
 
-TEST(ImageHeader, ReadsTheOrientationOfAWebP) {
-    EXPECT_EQ(webp_orientation(fixture("orientation-6.webp")), 6);
-    EXPECT_EQ(webp_orientation(fixture("lossy.webp")), 1);
+TEST(ImageHeader, ReadsTheOrientationInExif) {
+    EXPECT_EQ(exif_orientation(fixture("orientation-6.webp"), ImageFormat::WebP), 6);
+    EXPECT_EQ(exif_orientation(fixture("orientation-6.png"), ImageFormat::Png), 6);
+    EXPECT_EQ(exif_orientation(fixture("lossy.webp"), ImageFormat::WebP), 1);
+    EXPECT_EQ(exif_orientation(fixture("noise.png"), ImageFormat::Png), 1);
+    EXPECT_EQ(exif_orientation(fixture("grey.jpg"), ImageFormat::Jpeg), 1);
+    for (int i = 1; i <= 8; ++i)
+        EXPECT_EQ(exif_orientation(fixture("orientation-" + std::to_string(i) + ".jpg"), ImageFormat::Jpeg), i);
 }
 
 }  // namespace
