@@ -38,13 +38,16 @@ std::uint64_t decoder_bytes_of(const SurfaceSize& size) {
 Result<SurfaceHeader> header_of(SurfaceFormat format, const SurfaceSize& size, std::size_t max_faces) {
     if (size.triangles == 0) return unusable_surface(format, "it has no triangles or polygons");
     // Vertices are limited, too, because a file with few faces may have any number of them.
-    if (size.triangles > max_faces || size.vertices / 3 > max_faces)
-        return failure(ErrorCode::LimitExceeded,
-                       "the mesh has too many faces; this server's limit (max-faces) is " + std::to_string(max_faces));
+    if (size.triangles > max_faces || size.vertices / 3 > max_faces) return too_many_faces(max_faces);
     return SurfaceHeader{format, size.triangles, size.vertices, size.materials, decoder_bytes_of(size)};
 }
 
 }  // namespace
+
+tl::unexpected<Error> too_many_faces(std::uint64_t max_faces) {
+    return failure(ErrorCode::LimitExceeded,
+                   "the mesh has too many faces; this server's limit (max-faces) is " + std::to_string(max_faces));
+}
 
 std::optional<SurfaceFormat> recognise_surface(std::string_view bytes, std::string_view media_type) {
     bytes = without_byte_order_mark(bytes);

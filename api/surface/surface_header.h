@@ -38,4 +38,7 @@ Result<SurfaceHeader> read_surface_header(std::string_view bytes, SurfaceFormat 
 std::optional<Result<SurfaceFile>> open_surface(std::string_view bytes, std::string_view media_type,
                                                 std::size_t max_faces, std::size_t max_pixels);
 
+/// Returns the error of a mesh that exceeds the limit on faces.
+tl::unexpected<Error> too_many_faces(std::uint64_t max_faces);
+
 }  // namespace ccdt::api

@@ -614,8 +614,10 @@ TEST(Distribute, SpreadsFewSitesOverManyParts) {
     const auto points = distribute(test::domain_of(parts), Density::uniform(), {.sites = 150})->points;
     for (int quarter = 0; quarter < 4; ++quarter) {
         const auto is_in_quarter = [&](double v) { return v >= 5 * quarter && v < 5 * quarter + 5; };
-        EXPECT_NEAR(std::ranges::count_if(points, [&](Point p) { return is_in_quarter(p.x); }), 37.5, 2);
-        EXPECT_NEAR(std::ranges::count_if(points, [&](Point p) { return is_in_quarter(p.y); }), 37.5, 2);
+        EXPECT_NEAR(static_cast<double>(std::ranges::count_if(points, [&](Point p) { return is_in_quarter(p.x); })),
+                    37.5, 2);
+        EXPECT_NEAR(static_cast<double>(std::ranges::count_if(points, [&](Point p) { return is_in_quarter(p.y); })),
+                    37.5, 2);
     }
 }
 
