@@ -59,7 +59,7 @@ struct Record {
     std::string_view route;  ///< path of the route that answered; empty: none
     std::string key;         ///< name of the client's API key; empty: none
     std::string signer;      ///< name of the key that signed the URL; empty: none
-    std::string cause;       ///< cause of an internal failure
+    std::string cause;       ///< cause of an internal failure, or doubt about an answer
     Stages stages;
     std::string_view cancelled;  ///< why a computation was cancelled: client_gone, deadline or shutdown
     std::optional<Computed> computed;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "server/work/answer_headers.h"
+#include "server/work/convergence.h"
 
 namespace ccdt::server {
 namespace {
@@ -226,9 +227,11 @@ std::optional<JobRun::End> JobRunner::compute(const Run& run, const std::stop_to
     }
     ResultWriter writer(store_, job, stop);
     Result<api::Answer> answer;
+    std::string path;
     try {
         const Control control{stop, [&](const Progress& progress) { note(run, progress); }};
         answer = whole_request(std::move(request)).and_then([&](const ComputeRequest& whole) {
+            path = whole.path;
             return compute_(whole, {.sink = &writer, .unwanted = run->unneeded()}, control, stages.work);
         });
         if (answer && !answer->streamed) {
@@ -243,10 +246,11 @@ std::optional<JobRun::End> JobRunner::compute(const Run& run, const std::stop_to
     const auto next = run->finish(whole, repeat);
     if (next == JobRun::Next::Requeue) requeue(run, repeat);
     if (next != JobRun::Next::Proceed) return std::nullopt;
-    return end_of(run->job(), std::move(answer), writer, stages);
+    return end_of(run->job(), path, std::move(answer), writer, stages);
 }
 
-JobRun::End JobRunner::end_of(Job job, Result<api::Answer> answer, ResultWriter& writer, const Stages& stages) const {
+JobRun::End JobRunner::end_of(Job job, std::string_view path, Result<api::Answer> answer, ResultWriter& writer,
+                              const Stages& stages) const {
     if (writer.error()) {
         JobEnd end = not_stored(std::move(job), *writer.error());
         end.stages = stages;
@@ -266,7 +270,10 @@ JobRun::End JobRunner::end_of(Job job, Result<api::Answer> answer, ResultWriter&
     job.headers = answer_headers(*answer);
     std::string result = writer.take_last();
     job.result_bytes = writer.stored().bytes + result.size();
-    return {std::move(result), {std::move(job), stages, Computed{answer->sites, answer->pixels}, {}}, writer.stored()};
+    std::string doubt = doubt_about(*answer, path, job.progress.iteration, job.progress.variation.value_or(0));
+    return {std::move(result),
+            {std::move(job), stages, Computed{answer->sites, answer->pixels}, std::move(doubt)},
+            writer.stored()};
 }
 
 void JobRunner::note(const Run& run, const Progress& progress) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <string_view>
 #include <thread>
 
 #include "core/result.h"
@@ -72,7 +73,8 @@ private:
     double run(const Run& run, const std::stop_token& stop);
     bool begin_run(const Run& run);
     std::optional<JobRun::End> compute(const Run& run, const std::stop_token& stop);
-    JobRun::End end_of(Job job, Result<api::Answer> answer, ResultWriter& writer, const Stages& stages) const;
+    JobRun::End end_of(Job job, std::string_view path, Result<api::Answer> answer, ResultWriter& writer,
+                       const Stages& stages) const;
     void note(const Run& run, const Progress& progress);
     bool cancel_in_pool(const Run& run);
     void give_up(const Run& run, JobStore::Owned owned);

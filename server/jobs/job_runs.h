@@ -27,7 +27,7 @@ struct JobEnd {
     Job job;
     Stages stages;
     std::optional<Computed> computed;
-    std::string cause;  ///< cause of an internal failure
+    std::string cause;  ///< cause of an internal failure, or doubt about the answer
 };
 
 /// This server's run of a job that it has claimed. Thread-safe.

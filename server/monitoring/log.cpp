@@ -61,6 +61,11 @@ void add_member(std::string& line, const char* form, std::string_view value) {
     if (!value.empty()) line += fmt::format(fmt::runtime(form), escape(value));
 }
 
+/// Returns the level of the line for a request or a job.
+spdlog::level::level_enum level_of(std::string_view cause) {
+    return cause.empty() ? spdlog::level::info : spdlog::level::warn;
+}
+
 }  // namespace
 
 std::string escape(std::string_view text) {
@@ -154,11 +159,11 @@ void Log::error(std::string_view message) const {
 }
 
 void Log::job(const JobEnd& end) const {
-    logger_->info(job_line(end, format_));
+    logger_->log(level_of(end.cause), job_line(end, format_));
 }
 
 void Log::exchange(const Exchange& exchange) const {
-    logger_->info(exchange_line(exchange, format_));
+    logger_->log(level_of(exchange.response.record.cause), exchange_line(exchange, format_));
 }
 
 }  // namespace ccdt::server

@@ -17,6 +17,7 @@
 #include "server/work/answer_headers.h"
 #include "server/work/answer_name.h"
 #include "server/work/body_pipe.h"
+#include "server/work/convergence.h"
 #include "server/work/form.h"
 
 namespace ccdt::server {
@@ -103,6 +104,7 @@ struct Computing::AcceptedRequest {
 struct Computing::ComputedAnswer {
     api::Answer answer;
     MemoryBudget::Lease lease;
+    Progress last;                        ///< last progress of the computation
     std::shared_ptr<BodyPipe> pipe = {};  ///< delivers the body if it is still being computed; null: it is complete
 };
 
@@ -179,16 +181,17 @@ private:
 /// Passes a large body from its computation to the connection. Copies the body for the cache, unless it is too large.
 class Computing::TeeWriter : public api::BodySink {
 public:
+    /// @param last     last progress of the computation, which must not change once the body has begun
     /// @param largest  maximum size of cached bodies, in bytes
-    TeeWriter(PendingResult<ComputedAnswer>& pending, const api::Timings& timings, std::size_t largest,
-              MemoryBudget& memory)
-        : pending_(pending), timings_(timings), largest_(largest), memory_(memory) {}
+    TeeWriter(PendingResult<ComputedAnswer>& pending, const api::Timings& timings, const Progress& last,
+              std::size_t largest, MemoryBudget& memory)
+        : pending_(pending), timings_(timings), last_(last), largest_(largest), memory_(memory) {}
     ~TeeWriter() override { close(failure(ErrorCode::Internal, "the answer was not written completely")); }
     TeeWriter(const TeeWriter&) = delete;
     TeeWriter& operator=(const TeeWriter&) = delete;
 
     Result<void> begin(const api::Answer& head) override {
-        if (!pending_.finish(ComputedAnswer{head, {}, pipe_}, timings_))
+        if (!pending_.finish(ComputedAnswer{head, {}, last_, pipe_}, timings_))
             return failure(ErrorCode::Stopped, "the computation is repeated later");
         copy_ = head;
         return {};
@@ -215,6 +218,7 @@ public:
 private:
     PendingResult<ComputedAnswer>& pending_;
     const api::Timings& timings_;
+    const Progress& last_;
     const std::size_t largest_;
     MemoryBudget& memory_;
     const std::shared_ptr<BodyPipe> pipe_ = std::make_shared<BodyPipe>();
@@ -291,16 +295,24 @@ HttpResult<Response> Computing::compute(const AcceptedPointer& given, bool compr
     if (!product->pipe && !answer.partial)
         cache_.store(cache_key(accepted->name, compressed, cache_owner(incoming.connection)), answer);
     incoming.record.computed = Computed{answer.sites, answer.pixels};
+    std::string doubt = doubt_about(answer, accepted->request.path, product->last.iteration, product->last.variation);
     Response response = response_of(std::move(answer), accepted->name, incoming.record);
-    if (product->pipe) response.stream = stream_of(*product, incoming, deadline + kGrace + BodyPipe::kPatience);
+    if (product->pipe) {
+        response.stream = stream_of(*product, std::move(doubt), incoming, deadline + kGrace + BodyPipe::kPatience);
+    } else {
+        incoming.record.cause = std::move(doubt);
+    }
     response.lease = std::make_shared<MemoryBudget::Lease>(std::move(product->lease));
     return response;
 }
 
 /// Returns the function that sends a large body while it is computed.
+/// @param doubt   becomes the cause in the log if the body is complete
 /// @param latest  time by which the computation must end
-Stream Computing::stream_of(const ComputedAnswer& computed, const Incoming& incoming, Clock::time_point latest) const {
-    return [this, pipe = computed.pipe, &connection = incoming.connection, latest](const Send& send, Record& record) {
+Stream Computing::stream_of(const ComputedAnswer& computed, std::string doubt, const Incoming& incoming,
+                            Clock::time_point latest) const {
+    return [this, pipe = computed.pipe, doubt = std::move(doubt), &connection = incoming.connection, latest](
+               const Send& send, Record& record) {
         while (!pipe->is_over()) {
             const auto piece = pipe->pop(Clock::now() + kPollInterval);
             if (piece ? !send(*piece) : connection.client_gone()) {
@@ -318,7 +330,7 @@ Stream Computing::stream_of(const ComputedAnswer& computed, const Incoming& inco
         }
         record.stages.work = pipe->timings();
         const auto outcome = pipe->outcome();
-        if (!outcome) record.cause = outcome.error().message;
+        record.cause = outcome ? doubt : outcome.error().message;
         return outcome.has_value();
     };
 }
@@ -507,17 +519,19 @@ HttpResult<Computing::ComputedAnswer> Computing::run(const AcceptedPointer& acce
     Task<ComputedAnswer> task = [this, accepted, compressed, key, in_pieces](const Control& control,
                                                                              api::Timings& timings,
                                                                              PendingResult<ComputedAnswer>& pending) {
-        TeeWriter tee(pending, timings, cache_.largest(), pool_.memory());
+        Progress last;
+        TeeWriter tee(pending, timings, last, cache_.largest(), pool_.memory());
         const std::stop_callback pass_on(control.stop, [&tee] { tee.stop().request_stop(); });
         Control own = control;
         own.stop = tee.stop().get_token();
+        own.progress = [&last](const Progress& progress) { last = progress; };
         auto answer =
             compute_(accepted->request, {compressed, in_pieces ? &tee : nullptr, pending.unwanted()}, own, timings);
         if (answer && answer->streamed && tee.copy() != nullptr && !answer->partial) cache_.store(key, *tee.copy());
         tee.close(answer.map([](const api::Answer&) {}));
-        return std::move(answer).map([this](api::Answer&& whole) {
+        return std::move(answer).map([&](api::Answer&& whole) {
             const std::size_t size = whole.body.size();
-            return ComputedAnswer{std::move(whole), pool_.memory().reserve_unconditionally(size)};
+            return ComputedAnswer{std::move(whole), pool_.memory().reserve_unconditionally(size), last};
         });
     };
     return run_in_worker(std::move(task), cost, incoming, limit);

@@ -100,7 +100,8 @@ private:
     HttpResult<void> wait_for(PendingResult<T>& pending, WorkerPool::JobId job, const Incoming& incoming,
                               const TimeLimit& limit);
     std::string cache_owner(const Connection& connection) const;
-    Stream stream_of(const ComputedAnswer& computed, const Incoming& incoming, Clock::time_point latest) const;
+    Stream stream_of(const ComputedAnswer& computed, std::string doubt, const Incoming& incoming,
+                     Clock::time_point latest) const;
     std::optional<Response> find_cached(const std::string& name, bool compressed, const Incoming& incoming);
     HttpResult<Response> compute(const AcceptedPointer& accepted, bool compressed, const Incoming& incoming);
     HttpResult<ComputedAnswer> run(const AcceptedPointer& accepted, const api::Cost& cost, bool compressed,

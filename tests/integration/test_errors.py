@@ -375,6 +375,22 @@ class Log(unittest.TestCase):
         self.assertGreater(requests[0]["bytes_in"], len(GREY))
         self.assertTrue(all("time" in line and "level" in line for line in lines))
 
+    def test_warns_of_points_that_are_not_spread_evenly(self):
+        needle = {"sites": 1000, "domain": {"type": "rectangle", "width": 1e6, "height": 1}}
+        with Server("--log-format=json") as server:
+            self.assertGreater(post_json(server, "/sample", needle).json()["variation"], 0.5)
+            post_json(server, "/sample", {**needle, "iterations": 4})
+            post_json(server, "/sample", {**needle, "domain": {"type": "rectangle", "width": 1, "height": 1}})
+            post_json(server, "/sample", {**needle, "seed": 1}, "--header", "Prefer: respond-async")
+            server.wait_for_log('"message":"job"')
+            self.assertEqual(server.stop(), 0)
+            lines = [json.loads(line) for line in server.log().splitlines()]
+        levels = [line["level"] for line in lines if line["message"] == "request"]
+        self.assertEqual(levels, ["warning", "info", "info", "info"])
+        for line in lines:
+            self.assertEqual(line["level"] == "warning", "1000 sites" in line.get("cause", ""), line)
+        self.assertEqual([line["level"] for line in lines if line["message"] == "job"], ["warning"])
+
 
 if __name__ == "__main__":
     unittest.main(verbosity=2)
