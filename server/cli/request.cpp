@@ -34,6 +34,7 @@ bool begins_like_json(std::string_view text) {
 }
 
 /// Whether a file may be a binary STL by its number of facets, which is too large for no limit.
+/// @param head  at least the first 84 bytes
 bool may_be_binary_stl(std::string_view head) {
     constexpr std::size_t kCount = 80;  // offset of the number, with the lowest byte first
     std::size_t facets = 0;
@@ -181,7 +182,8 @@ Result<void> check_head(const Command& command, std::string_view head) {
     if (has_only_text || api::is_npy(head) || api::is_voxel_file(head) || head.starts_with(api::kZipSignature) ||
         api::recognise_surface(head) || may_be_binary_stl(head))
         return {};
-    return failure(ErrorCode::Unsupported, "this is neither a text nor a binary file of a known format");
+    return failure(ErrorCode::Unsupported,
+                   "this is neither a text nor a known binary file; it seems to be " + api::kind_of_body(head));
 }
 
 Result<void> read_value_files(Arguments& arguments) {

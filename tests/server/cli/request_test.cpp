@@ -92,6 +92,17 @@ TEST(Request, ChoosesTheFormatByTheSuffix) {
     EXPECT_NE(Line("halftone", {"--device=bwr"}).format_for("a.svg").find(".png, .bmp"), std::string::npos);
 }
 
+TEST(Request, NamesTheKindOfALargeFileThatIsNotRead) {
+    const auto check = [](std::string head) {
+        head.resize(1'000);
+        const auto checked = check_head(*find_command("sample"), head);
+        return checked ? "" : checked.error().message;
+    };
+    EXPECT_TRUE(check(std::string("SQLite format 3").append(53, '\0') + "GPKG").ends_with("seems to be a GeoPackage"));
+    EXPECT_TRUE(check({'i', 0, 'd', 0, ',', 0}).ends_with("seems to be text in UTF-16, not in UTF-8"));
+    EXPECT_TRUE(check("\1").ends_with("seems to be binary data of an unknown kind"));
+}
+
 TEST(Request, DescribesErrorsByOptionsAndFlags) {
     const auto options = options_of(*find_command("sample"));
     const auto describe = [&](std::string message, std::string field) {
