@@ -267,6 +267,14 @@ Cost cost_of(const HalftoneRequest& request, const Limits& limits) {
     return all;
 }
 
+std::size_t largest_answer(const HalftoneRequest& request, const Limits& limits) {
+    const PointFormat& format = *request.format;
+    const double sites = max_dots(request, limits);
+    const double pixels = format.raster() == nullptr ? 0 : drawn_pixels(request, limits) * inks_of(request);
+    const Estimate turns = turns_cost(format, request.drawing, sites, largest_radius(request, sites));
+    return static_cast<std::size_t>(largest_answer(format, sites, pixels, turns, false));
+}
+
 std::size_t usual_sites(const HalftoneRequest& request, PictureSize part, double ink, double fineness,
                         const Limits& limits) {
     constexpr double kMaxSeconds = 2, kFewest = 4096, kMany = 1e6;

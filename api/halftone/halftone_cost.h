@@ -13,6 +13,10 @@ namespace ccdt::api {
 /// that for the most expensive picture of the same size.
 Cost cost_of(const HalftoneRequest& request, const Limits& limits);
 
+/// Returns an upper estimate of the size of the answer in bytes. The maximum numbers of sites and pixels are those of
+/// cost_of().
+std::size_t largest_answer(const HalftoneRequest& request, const Limits& limits);
+
 /// Returns the number of sites for a request that gives none: sites_of_drawing() for drawings on screens,
 /// default_sites() for others. The result is at most the number of sites that can be placed in two seconds. This limit
 /// is at least 4,096, unless limits.max_sites is lower.

@@ -29,6 +29,17 @@ Cost cost_within(const auto& request, const Limits& limits) {
         return cost_of(request);
 }
 
+/// Returns an upper estimate of the size of an answer in bytes: if nothing better is known, the memory in which it is
+/// computed.
+std::size_t largest_answer_to(const auto& request, const Limits& limits) {
+    if constexpr (requires { largest_answer(request, limits); })
+        return largest_answer(request, limits);
+    else if constexpr (requires { request.run.sites* request.format->per_site.bytes; })
+        return static_cast<std::size_t>(static_cast<double>(request.run.sites) * request.format->per_site.bytes);
+    else
+        return cost_within(request, limits).memory;
+}
+
 bool allows_partial(const auto& request) {
     if constexpr (requires { request.on_deadline; })
         return request.on_deadline == OnStop::Partial;
@@ -77,6 +88,8 @@ public:
         const auto computing = cost_within(request_, limits_);
         return {size_of(request_) + computing.memory, computing.seconds, computing.answer};
     }
+
+    std::size_t largest_answer() const override { return largest_answer_to(request_, limits_); }
 
     bool accepts_partial() const override { return allows_partial(request_); }
 

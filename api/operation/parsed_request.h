@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string_view>
 #include <vector>
@@ -20,6 +21,9 @@ public:
 
     /// Cost of computing the answer, including the memory of the request itself.
     virtual Cost cost() const = 0;
+
+    /// Upper estimate of the size of the answer's body in bytes. Unlike `Cost::answer`, it may be far too large.
+    virtual std::size_t largest_answer() const = 0;
 
     /// Whether the request accepts a partial answer when the computation is stopped.
     virtual bool accepts_partial() const = 0;

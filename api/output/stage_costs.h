@@ -41,6 +41,12 @@ Estimate turns_cost(const PointFormat& format, const DrawingOptions& drawing, do
 /// @param raster  result of raster_cost()
 Estimate drawing_cost(const PointFormat& format, const Estimate& raster, double sites, double pixels);
 
+/// Returns an upper estimate of the size of an answer with points, in bytes.
+/// @param pixels  number of pixels of a drawing, for each ink
+/// @param turns   result of turns_cost()
+/// @param mesh    whether the answer contains the triangulation
+double largest_answer(const PointFormat& format, double sites, double pixels, const Estimate& turns, bool mesh);
+
 /// Returns the number of bytes of an image file that a request holds in memory in addition to its body; 0 if the file
 /// is a part of the body.
 std::size_t bytes_of(const ImageFile& file);

@@ -154,18 +154,25 @@ Estimate ordering_cost(const SampleRequest& request) {
     return (order == PointOrder::Path ? kPath : kProgressive) * static_cast<double>(request.run.sites);
 }
 
+/// Whether a box has an area and is finite. Otherwise, the domain is rejected and nothing is written.
+bool is_drawable(const Box& box) {
+    const auto is_length = [](double side) { return side > 0 && std::isfinite(side); };
+    return is_length(box.width()) && is_length(box.height());
+}
+
+Estimate turns_cost(const SampleRequest& request, const Box& box) {
+    const auto sites = static_cast<double>(request.run.sites);
+    const double unit = request.output.drawing.width_mm.value_or(1) / box.width();
+    const double radius = request.output.dot.value_or(std::sqrt(box.width() * box.height() / sites) / 4);
+    return turns_cost(*request.output.format, request.output.drawing, sites, unit * radius);
+}
+
 Estimate writing_cost(const SampleRequest& request, const Limits& limits) {
     const PointFormat& format = *request.output.format;
     const auto sites = static_cast<double>(request.run.sites);
     const Box box = bounds_of(request.region.domain);
-    // If the box has no area or is infinite, the domain is rejected and nothing is written.
-    const auto is_length = [](double side) { return side > 0 && std::isfinite(side); };
-    if (!is_length(box.width()) || !is_length(box.height())) return {};
-    if (format.raster() == nullptr) {
-        const double unit = request.output.drawing.width_mm.value_or(1) / box.width();
-        const double radius = request.output.dot.value_or(std::sqrt(box.width() * box.height() / sites) / 4);
-        return format.per_site * sites + turns_cost(format, request.output.drawing, sites, unit * radius);
-    }
+    if (!is_drawable(box)) return {};
+    if (format.raster() == nullptr) return format.per_site * sites + turns_cost(request, box);
     const double pixels = drawn_pixels(request, box, limits);
     const double scale =
         request.output.width ? *request.output.width / box.width() : std::sqrt(pixels / box.width() / box.height());
@@ -187,6 +194,19 @@ std::size_t bytes_of(const FeatureList& features) {
     return size;
 }
 
+/// Returns an upper estimate of the bytes that ids and properties take in an answer.
+/// @param rows  number of points that repeat the properties of their features
+double largest_features(const FeatureList& features, double rows) {
+    std::size_t largest = 0;
+    for (const std::string& id : features.ids) largest = std::max(largest, id.size());
+    std::size_t properties = 0;
+    for (std::size_t i = 0; i < features.carried.of_feature.size(); ++i)
+        properties = std::max(properties, features.carried.size_of(i));
+    constexpr double kEscapes = 2, kPunctuation = 16;  // of usual texts
+    const double row = kEscapes * static_cast<double>(largest + properties) + kPunctuation;
+    return static_cast<double>(bytes_of(features)) + rows * row;
+}
+
 }  // namespace
 
 Cost cost_of(const SampleRequest& request, const Limits& limits) {
@@ -202,6 +222,22 @@ Cost cost_of(const SampleRequest& request, const Limits& limits) {
         total_cost(then(request.region.exclude ? then(decoding_cost(*request.region.exclude), read) : read, made));
     all.answer = request.run.sites * request.output.format->least;
     return all;
+}
+
+std::size_t largest_answer(const SampleRequest& request, const Limits& limits) {
+    if (request.threshold_mask) {
+        const ThresholdMask& mask = *request.threshold_mask;
+        constexpr double kHead = 16'384, kPixel = 2;  // the largest grey values have 16 bits
+        return static_cast<std::size_t>(kHead + kPixel * mask.torus.width * mask.torus.height * mask.depth.value_or(1));
+    }
+    const Box box = bounds_of(request.region.domain);
+    if (!is_drawable(box)) return 0;
+    const PointFormat& format = *request.output.format;
+    const auto sites = static_cast<double>(request.run.sites);
+    const double pixels = format.raster() == nullptr ? 0 : drawn_pixels(request, box, limits);
+    double bytes = largest_answer(format, sites, pixels, turns_cost(request, box), request.run.keep_mesh);
+    if (request.features) bytes += largest_features(*request.features, format.repeats_properties ? sites : 0);
+    return static_cast<std::size_t>(bytes);
 }
 
 Cost cost_of_parsing(std::string_view body) {

@@ -13,6 +13,9 @@ namespace ccdt::api {
 /// request, even if its domain will be rejected.
 Cost cost_of(const SampleRequest& request, const Limits& limits);
 
+/// Returns an upper estimate of the size of the answer in bytes.
+std::size_t largest_answer(const SampleRequest& request, const Limits& limits);
+
 /// Estimates the cost of parsing a JSON body with parse_sample().
 Cost cost_of_parsing(std::string_view body);
 

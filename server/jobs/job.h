@@ -48,6 +48,7 @@ struct Job {
     std::string client;       ///< name of the client for fair queueing
     std::string traceparent;  ///< header of the request, if well-formed; empty: none
     api::Cost cost;
+    std::size_t expected = 0;  ///< upper estimate of the size of the result, in bytes
     JobStatus status = JobStatus::Queued;
     int starts = 0;           ///< number of runs, including runs that a server crash interrupted
     std::uint64_t claim = 0;  ///< number of the latest claim, see JobStore

@@ -85,6 +85,9 @@ HttpResult<void> Jobs::add(Job& job, const ComputeRequest& request) {
                                 " bytes, more than the storage for jobs of " + std::to_string(limits_.bytes) +
                                 " (job-bytes): request it without a job, or in another format");
     const auto added = store_.add(job, request);
+    if (!added && added.error().code == ErrorCode::LimitExceeded)
+        return problem(507, "there is no space for this job and its result beside those of waiting jobs: " +
+                                added.error().message);
     if (!added) return store_problem(added.error());
     if (*added == JobStore::Added::QueueFull)
         return busy(429, "too many jobs are waiting (job-queue)", pool_.backlog());

@@ -107,7 +107,7 @@ Result<JobStore::Added> SqliteJobStore::add(Job& job, const ComputeRequest& requ
     auto added = attempt([&] {
         if (tables_.find(job.id)) return Added::Accepted;
         job.created = time_now();
-        tables_.insert(job, request);
+        tables_.insert(job, request, limits_.bytes);
         queue_.push(job);
         return Added::Accepted;
     });

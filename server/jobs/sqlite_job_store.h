@@ -23,8 +23,9 @@ namespace ccdt::server {
 /// A file has a write-ahead log and is synchronized at every commit, so that jobs survive a crash of the process or the
 /// machine. Only one server at a time can use the file, so it keeps the claims in memory. When a file is opened,
 /// unfinished jobs are queued in their original sequence. Damaged data is reported as an error (see SqliteJobTables).
-/// Jobs can be removed even when the disk is full. One thread at a time uses the database; others wait while a request
-/// or a piece of a result is written.
+/// A job is added only if the disk has space for its expected result and those of all unfinished jobs
+/// (`Job::expected`). Jobs can be removed even when the disk is full. One thread at a time uses the database; others
+/// wait while a request or a piece of a result is written.
 class SqliteJobStore : public JobStore {
 public:
     /// @param folder  folder of the database files, created if missing; empty: in memory

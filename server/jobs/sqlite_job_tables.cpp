@@ -139,7 +139,8 @@ Job job_at(const Statement& row) {
         job.failure = Problem{static_cast<int>(row.integer(13)), {ErrorCode::Internal, row.text(14), row.text(15)}};
     if (row.is_null(13)) job.headers = headers_in(row.text(14));
     job.media_type = row.text(16);
-    job.result_bytes = static_cast<std::size_t>(row.integer(17));
+    job.expected = static_cast<std::size_t>(std::max<std::int64_t>(-row.integer(17), 0));
+    job.result_bytes = static_cast<std::size_t>(std::max<std::int64_t>(row.integer(17), 0));
     job.partial = row.integer(18) != 0;
     job.dropped = row.integer(19) != 0;
     job.traceparent = row.text(kTraceparent);
@@ -189,6 +190,11 @@ void seal(Database& database, std::int64_t row) {
     Statement(database, "UPDATE jobs SET digest = ? WHERE row = ?", digest, row).run();
 }
 
+/// Returns the column `result_bytes` of a job. Before the end of the job, it is the expected size, below zero.
+std::int64_t result_column(const Job& job) {
+    return job.finished ? number_of(job.result_bytes) : -number_of(job.expected);
+}
+
 /// Writes the state of a job to its row.
 /// @param bytes  new number of bytes that the job takes
 void write_job(Database& database, const Job& job, std::int64_t row, std::size_t bytes) {
@@ -208,7 +214,7 @@ void write_job(Database& database, const Job& job, std::int64_t row, std::size_t
               "dropped = ?, bytes = ? WHERE row = ?",
               static_cast<std::int64_t>(job.status), static_cast<std::int64_t>(job.starts), number_of(job.started),
               number_of(job.finished), job.progress.fraction, static_cast<std::int64_t>(job.progress.iteration),
-              job.progress.variation, failure, message, field, job.media_type, number_of(job.result_bytes),
+              job.progress.variation, failure, message, field, job.media_type, result_column(job),
               static_cast<std::int64_t>(job.partial), static_cast<std::int64_t>(job.dropped), number_of(bytes), row)
         .run();
     seal(database, row);
@@ -344,16 +350,19 @@ std::optional<std::string> SqliteJobTables::piece(const std::string& id, std::si
     return piece;
 }
 
-void SqliteJobTables::insert(const Job& job, const ComputeRequest& request) {
+void SqliteJobTables::insert(const Job& job, const ComputeRequest& request, std::size_t max_bytes) {
     const std::size_t bytes = JobStore::bytes_of_job(JobStore::bytes_of(request));
-    allocate_space(bytes);
+    const std::size_t results = std::min(promised(job.expected), max_bytes - std::min(max_bytes, bytes_ + bytes));
+    database_.allocate_log(kReserve / 2);
+    allocate_space(bytes + results);
     Transaction transaction(database_);
     Statement(database_,
               "INSERT INTO jobs (id, owner, client, memory, seconds, status, starts, created, fraction, iteration, "
               "media_type, result_bytes, partial, dropped, bytes, traceparent) "
-              "VALUES (?, ?, ?, ?, ?, ?, 0, ?, 0, 0, '', 0, 0, 0, ?, ?)",
+              "VALUES (?, ?, ?, ?, ?, ?, 0, ?, 0, 0, '', ?, 0, 0, ?, ?)",
               job.id, job.owner, job.client, number_of(job.cost.memory), job.cost.seconds,
-              static_cast<std::int64_t>(job.status), number_of(job.created), number_of(bytes), job.traceparent)
+              static_cast<std::int64_t>(job.status), number_of(job.created), result_column(job), number_of(bytes),
+              job.traceparent)
         .run();
     const auto row = database_.last_row();
     seal(database_, row);
@@ -470,6 +479,17 @@ bool SqliteJobTables::return_free_pages() {
     database_.execute(("PRAGMA incremental_vacuum(" + std::to_string(kFreePages) + ")").c_str());
     database_.execute("PRAGMA wal_checkpoint(RESTART)");
     return free_pages() < before;
+}
+
+/// Returns the disk space for the results of unfinished jobs, without the parts that are stored already.
+/// @param more  expected size of the result of a further job
+std::size_t SqliteJobTables::promised(std::size_t more) {
+    constexpr double kLinks = 1.01;  // SQLite's links between the pages of a body
+    // Two pages of each body are not full.
+    const auto bytes = database_.value_of(
+        "SELECT 8192 + total(8192 + max(0, -result_bytes - (SELECT total(length(body)) FROM results WHERE job = "
+        "jobs.row))) FROM jobs INDEXED BY unfinished_jobs WHERE finished IS NULL");
+    return static_cast<std::size_t>(kLinks * (static_cast<double>(bytes) + static_cast<double>(more)));
 }
 
 /// Allocates space in the database file for data that is about to be written to the log.

@@ -52,7 +52,10 @@ public:
     /// Reads a piece of a result; none if the job or the piece does not exist.
     std::optional<std::string> piece(const std::string& id, std::size_t number);
 
-    void insert(const Job& job, const ComputeRequest& request);
+    /// Adds a job. Reserves disk space for it, and for the rest of the expected results of all unfinished jobs. Throws
+    /// SQLITE_FULL if there is not enough.
+    /// @param max_bytes  limit of bytes(); results above it replace older ones, and need no further space
+    void insert(const Job& job, const ComputeRequest& request, std::size_t max_bytes);
     void update(const StoredJob& stored);
     void append(const StoredJob& stored, std::size_t number, std::string_view piece);
 
@@ -90,6 +93,7 @@ private:
     void create();
     void fail_damaged_jobs();
     void fail_damaged_job(std::int64_t row);
+    std::size_t promised(std::size_t more);
     void allocate_space(std::size_t bytes);
     void release(std::size_t bytes);
 

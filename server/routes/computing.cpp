@@ -408,6 +408,7 @@ HttpResult<Response> Computing::defer(const AcceptedPointer& given, const Incomi
     job.client = incoming.connection.client_name();
     job.traceparent = whole_traceparent(incoming.request.header("traceparent"));
     job.cost = forecast->cost;
+    job.expected = forecast->largest_answer;
     job.cost.memory += accepted->request.body.size();  // the run loads the body from the store
     if (job.cost.memory > pool_.memory().total()) return too_large(job.cost.memory);
     return jobs_.accept(std::move(job), accepted->request).map(accepted_response);
@@ -437,7 +438,7 @@ HttpResult<Computing::Forecast> Computing::forecast(const AcceptedPointer& accep
     const auto find = [accepted, &limits = config_.limits] {
         return accepted->operation.parse(accepted->request, limits).map([&](const api::ParsedPointer& parsed) {
             return Forecast{cost_of_answering(accepted->operation, accepted->request, *parsed),
-                            parsed->accepts_partial()};
+                            parsed->largest_answer(), parsed->accepts_partial()};
         });
     };
     if (!is_quickly_parsed(accepted->operation, accepted->request))

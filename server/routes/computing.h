@@ -62,9 +62,10 @@ private:
     class PendingResult;
     class TeeWriter;
 
-    /// Estimated cost of a request, and whether it accepts a partial answer.
+    /// Estimates of the cost of a request and the size of its answer, and whether it accepts a partial answer.
     struct Forecast {
         api::Cost cost;
+        std::size_t largest_answer = 0;
         bool accepts_partial = false;
     };
 

@@ -349,6 +349,32 @@ TEST(SampleCost, BoundsAnswerSizeFromBelow) {
     for (const char* drawing : {"svg", "png"}) EXPECT_EQ(least(drawing), 0U);
 }
 
+TEST(SampleCost, BoundsAnswerSizeFromAbove) {
+    const auto check = [](const std::string& more, std::size_t most) {
+        const auto request = parse_sample(R"({"sites":3000,"iterations":0,)" + more + '}', {}, "", {});
+        ASSERT_TRUE(request) << request.error().message;
+        Timings timings;
+        const auto answer = run_sample(*request, {}, decode_inline(), {}, timings);
+        ASSERT_TRUE(answer) << answer.error().message;
+        const std::size_t largest = largest_answer(*request, {});
+        EXPECT_GE(largest, answer->body.size()) << more;
+        EXPECT_LE(largest, answer->body.size() * most + 16'384) << more;
+    };
+    const std::string tiny = R"("domain":{"type":"torus","width":1.1e-5,"height":1.3e-6})";
+    const std::string area =
+        R"("properties":"*","geometry":{"type":"Feature","id":"the id","properties":{"name":"a \"name\"","n":1e-9},)"
+        R"("geometry":{"type":"Polygon","coordinates":[[[0,0],[1,0],[1,1],[0,0]]]}})";
+    for (const char* format : {"json", "csv", "geojson", "ndjson", "geojsonseq", "npy", "svg"})
+        check(tiny + R"(,"format":")" + format + '"', 3);
+    for (const char* format : {"json", "csv", "geojson", "ndjson", "geojsonseq"})
+        check(area + R"(,"format":")" + format + '"', 3);
+    for (const char* format : {"pdf", "hpgl", "gcode", "dxf"})
+        for (const char* style : {"", R"(,"style":"spiral","pen":0.1)"})
+            check(tiny + R"(,"width_mm":100,"format":")" + format + '"' + style, 12);
+    check(tiny + R"(,"mesh":true)", 3);
+    check(tiny + R"(,"format":"png")", 8);
+}
+
 TEST(AnalyzeCost, BoundsMemoryUsed) {
     if (!kMemoryIsOurs) GTEST_SKIP() << "sanitizers use memory of their own";
     std::string points, in_space;

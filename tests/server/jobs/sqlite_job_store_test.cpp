@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 #include <sqlite3.h>
+#include <sys/resource.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -31,6 +33,27 @@ int install_counter(sqlite3* database, const char**, const void*) {
     sqlite3_progress_handler(database, 1, count, nullptr);
     return SQLITE_OK;
 }
+
+/// Limits the size of files, as a small disk would.
+class SmallFiles {
+public:
+    explicit SmallFiles(rlim_t bytes) {
+        EXPECT_EQ(getrlimit(RLIMIT_FSIZE, &before_), 0);
+        const rlimit small{bytes, before_.rlim_max};
+        EXPECT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+    }
+    ~SmallFiles() {
+        setrlimit(RLIMIT_FSIZE, &before_);
+        std::signal(SIGXFSZ, handler_);
+    }
+
+    SmallFiles(const SmallFiles&) = delete;
+    SmallFiles& operator=(const SmallFiles&) = delete;
+
+private:
+    void (*const handler_)(int) = std::signal(SIGXFSZ, SIG_IGN);
+    rlimit before_{};
+};
 
 class SqliteJobStoreTest : public testing::Test {
 protected:
@@ -113,6 +136,40 @@ TEST_F(SqliteJobStoreTest, RefusesDamagedFiles) {
     damaged << std::string(16'384, 'x');
     damaged.close();
     EXPECT_NE(why_not(), "");
+}
+
+TEST_F(SqliteJobStoreTest, RefusesJobsWhoseResultsDoNotFit) {
+    constexpr std::size_t kBytes = 300'000;
+    const SmallFiles small(rlim_t{24} << 20);
+    auto store = open();
+    const auto add_one = [&](int i) {
+        Job job = job_named(std::to_string(i));
+        job.expected = kBytes;
+        return store->add(job, kComputeRequest);
+    };
+    int added = 0;
+    while (added < 1000 && add_one(added) == JobStore::Added::Accepted) ++added;
+    EXPECT_GT(added, 50);
+    EXPECT_LT(added, 84);
+    const auto expect_full = [&] {
+        const auto refused = add_one(added);
+        ASSERT_FALSE(refused);
+        EXPECT_EQ(refused.error().code, ErrorCode::LimitExceeded);
+    };
+    expect_full();
+    store.reset();
+    store = open();
+    expect_full();
+    for (int i = 0; i < 2; ++i) EXPECT_TRUE(*store->cancel(std::to_string(i)));
+    EXPECT_EQ(add_one(added), JobStore::Added::Accepted);
+    int finished = 0;
+    while (const auto job = *store->claim(1000)) {
+        const std::string result(kBytes, 'r');
+        const auto ended = store->finish(succeeded(*job, result), result);
+        EXPECT_TRUE(ended && *ended) << job->id;
+        ++finished;
+    }
+    EXPECT_EQ(finished, added - 1);
 }
 
 TEST_F(SqliteJobStoreTest, DetectsCorruptResults) {
