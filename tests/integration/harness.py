@@ -68,7 +68,7 @@ PRIVATE_DEV = r"""
 mount -t tmpfs none /dev
 mknod /dev/null c 1 3
 mknod /dev/full c 1 7
-mknod /dev/disk b 7 255  # a device without a driver
+mknod /dev/disk b 120 0  # a device without a driver
 mkfifo /dev/pipe
 ln -s /proc/self/fd /dev/fd
 ln -s fd/1 /dev/stdout
