@@ -71,7 +71,6 @@ constexpr auto kKinds = std::to_array<Kind>({
     {0, "BLENDER"sv, "a Blender file"},
     {0, "ISO-10303-21"sv, "STEP"},
     {0, "#VRML"sv, "VRML"},
-    {0, "SOLID"sv, "an STL with keywords in capital letters"},
     {0, "\xff\xfe"sv, "text in UTF-16, not in UTF-8"},
     {0, "\xfe\xff"sv, "text in UTF-16, not in UTF-8"},
 });

@@ -195,7 +195,7 @@ std::vector<std::string> all_allowed_hosts(const Draft& draft) {
 constexpr auto kSettings = std::to_array<Setting>({
     {"--port", "PORT", "N", "port to listen on, 0 for any free port (8080)", set_port},
     {"--bind", "BIND", "ADDRESS", "address to listen on, or unix:PATH (127.0.0.1)", set_bind},
-    {"--workers", "CCDT_WORKERS", "N", "simultaneous computations (one per core, at most one per 64MiB of --memory)",
+    {"--workers", "CCDT_WORKERS", "N", "simultaneous computations (one per core, at most one per 96MiB of --memory)",
      [](Draft& draft, std::string_view text) { return set_whole(draft.workers.emplace(), text, 1, 1024); }},
     {"--threads-per-request", "CCDT_THREADS_PER_REQUEST", "N",
      "maximum threads of a request while other workers are idle (workers, at most one per core)",

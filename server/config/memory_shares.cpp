@@ -19,7 +19,7 @@ constexpr std::size_t kJobs = 256 * kMebibyte;
 constexpr std::size_t kMemoryPerStoredByte = 16;  ///< the cache and the jobs each get 1/16 of the memory
 
 constexpr std::size_t kPrograms = 192 * kMebibyte;
-constexpr std::size_t kMemoryPerWorker = 64 * kMebibyte;
+constexpr std::size_t kMemoryPerWorker = 96 * kMebibyte;
 
 }  // namespace
 
@@ -30,9 +30,9 @@ MemoryShares share_memory(std::size_t memory, std::size_t max_body) {
 }
 
 std::size_t growth_for(std::size_t missing) {
-    // 1/4 for transfers, 1/16 each for the cache, for jobs, and for the 4 MiB of a worker.
-    constexpr std::size_t kWorker = 4 * kMebibyte;
-    return (missing + kWorker) / 9 * 16 + 16;
+    // 1/4 for transfers, 1/16 each for the cache and for jobs, and 1/12 for the 8 MiB of a worker's two processes.
+    constexpr std::size_t kWorker = 8 * kMebibyte;
+    return (missing + kWorker) / 13 * 24 + 24;
 }
 
 std::size_t default_memory(std::size_t available) {

@@ -34,7 +34,7 @@ std::size_t growth_for(std::size_t missing);
 /// @param available  memory of the machine or container, in bytes
 std::size_t default_memory(std::size_t available);
 
-/// Returns the default number of workers: one per core, but at most one per 64 MiB of the memory.
+/// Returns the default number of workers: one per core, but at most one per 96 MiB of the memory.
 std::size_t default_workers(std::size_t cores, std::size_t memory);
 
 }  // namespace ccdt::server

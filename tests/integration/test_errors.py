@@ -310,7 +310,7 @@ class Bodies(ServerCase):
                 problem = self.assert_problem(self.ask("/sample?sites=9", data=body), status, words, "accepted are", "a map")
                 self.assertNotIn("error at byte", problem["detail"])
         self.assert_problem(self.ask("/sample?sites=9", data=self.ARCHIVE.getvalue()), 422, "no shapefile", "doc.kml")
-        self.assert_problem(self.ask("/sample?sites=9", data=b"SOLID a"), 415, "an STL with keywords")
+        self.assert_problem(self.ask("/sample?sites=9", data=b"SOLID a"), 422, "it has no triangles")
         self.assert_problem(self.ask("/sample?sites=9", data='{"sites":'), 400, "not valid JSON: error at byte")
 
     def test_are_named_by_analyze(self):

@@ -78,6 +78,7 @@ inline std::string textured_gltf(std::string_view image, std::string_view sample
     insert("}]}],\"accessors\"", R"(,"material":0)");
     insert("],\"bufferViews\"", R"(,{"bufferView":2,"componentType":5126,"count":4,"type":"VEC2"})");
     insert("],\"buffers\"", R"(,{"buffer":0,"byteOffset":60,"byteLength":32})");
+    json.replace(json.find("\"byteLength\":60}"), 15, "\"byteLength\":92");
     json.pop_back();
     return json +
            R"(,"extensionsUsed":["KHR_texture_transform"],"materials":[{"pbrMetallicRoughness":{"baseColorTexture":{"index":0)" +
@@ -95,7 +96,7 @@ inline std::string textured_glb(const std::string& picture, std::string_view sam
     for (const float value : {0.F, 0.F, 1.F, 0.F, 1.F, 1.F, 0.F, 1.F}) append_bytes(buffer, value);
     const std::string size = std::to_string(picture.size());
     json.insert(json.find("],\"buffers\""), R"(,{"buffer":0,"byteOffset":92,"byteLength":)" + size + '}');
-    json.replace(json.find("\"byteLength\":60}"), 15, "\"byteLength\":" + std::to_string(92 + picture.size()));
+    json.replace(json.find("\"byteLength\":92}"), 15, "\"byteLength\":" + std::to_string(92 + picture.size()));
     return glb(json, buffer + picture);
 }
 

@@ -27,7 +27,7 @@ TEST(BodyKind, NamesTheKindOfAFile) {
         {"....ftypheic", "HEIC"},
         {"solid cube\nfacet", "a mesh (STL)"},
         {"v 0 0 0\n", "a mesh (OBJ)"},
-        {"SOLID cube\nFACET", "an STL with keywords in capital letters"},
+        {"SOLID cube\nFACET", "a mesh (STL)"},
         {"\x93NUMPY\x01\x00", "a NumPy array"},
         {"%PDF-1.7", "PDF"},
         {"\x1f\x8b\x08", "gzip"},

@@ -227,14 +227,14 @@ TEST(SurfaceReader, ReadsEmbeddedPictures) {
     std::string buffer = square_buffer() + std::string(32, '\0');
     const std::string uri = R"("uri":"data:image/png;base64,)" + base64(png) + '"';
     std::string json = textured_gltf(uri);
-    json.replace(json.find("\"byteLength\":60"), 15,
+    json.replace(json.find("\"byteLength\":92"), 15,
                  R"("byteLength":92,"uri":"data:application/octet-stream;base64,)" + base64(buffer) + '"');
     // The picture is in a buffer that is encoded in base64, at an offset that is not a multiple of 3.
     std::string in_buffer = textured_gltf(R"("bufferView":3,"mimeType":"image/png")");
     buffer += png;
     in_buffer.insert(in_buffer.find("],\"buffers\""),
                      R"(,{"buffer":0,"byteOffset":92,"byteLength":)" + std::to_string(png.size()) + '}');
-    in_buffer.replace(in_buffer.find("\"byteLength\":60"), 15,
+    in_buffer.replace(in_buffer.find("\"byteLength\":92"), 15,
                       "\"byteLength\":" + std::to_string(buffer.size()) +
                           R"(,"uri":"data:application/octet-stream;base64,)" + base64(buffer) + '"');
     for (const std::string& file : {textured_glb(png), json, in_buffer}) {

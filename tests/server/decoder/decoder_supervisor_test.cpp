@@ -833,7 +833,7 @@ TEST(DecoderSupervisor, ReadsOrRefusesTheModelsOfAssimp) {
         {"not recognised", "its data is in another file", "only version 2 is supported", "only glTF 2 is supported",
          "it has no triangles", "is incomplete, because the file ends", "do not follow the keyword",
          "it ends before face", "refers to no vertex", "is not finite", "is not a number", "a list of invalid size",
-         "TEXCOORD_1", "is in another file", "not valid JSON"});
+         "TEXCOORD_", "is in another file", "not valid JSON"});
     std::size_t read = 0;
     for (const auto& path : mesh_files(folder)) {
         const std::string reason = describe_reading(supervisor, bytes_at(path), 1'000'000);
