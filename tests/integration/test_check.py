@@ -73,7 +73,7 @@ class Check(unittest.TestCase):
         self.assertIn("ccdt-worker", wrong["worker"])
         for part in ("keys", "signing", "pictures", "docs"):
             self.assertIn("/none", wrong[part])
-        self.assertIn("MiB are needed", wrong["memory"])
+        self.assertIn("MiB suffice", wrong["memory"])
         self.assertIn("Not a directory", wrong["jobs"])
         self.assertIn("in use", wrong["address"])
 
