@@ -14,13 +14,13 @@
 #include "api/input/negotiation.h"
 #include "api/input/npy_reader.h"
 #include "api/json/json_document.h"
-#include "api/map/shapefile_reader.h"
 #include "api/operation/body_kind.h"
 #include "api/output/json_pieces.h"
 #include "api/sample/sample_cost.h"
 #include "api/sample/voxel_input.h"
 #include "api/surface/surface_header.h"
 #include "api/text/base64.h"
+#include "api/text/file_kind.h"
 #include "api/text/text.h"
 #include "core/geometry/axes.h"
 #include "server/cli/files.h"
@@ -179,11 +179,10 @@ Result<api::ParsedPointer> parse_request(const Command& command, const ApiReques
 Result<void> check_head(const Command& command, std::string_view head) {
     if (command.name == "halftone") return api::recognise_image(head).map([](api::ImageFormat) {});
     const bool has_only_text = head.find('\0') == std::string_view::npos;
-    if (has_only_text || api::is_npy(head) || api::is_voxel_file(head) || head.starts_with(api::kZipSignature) ||
-        api::recognise_surface(head) || may_be_binary_stl(head))
+    if (has_only_text || api::recognise_image(head) || api::is_npy(head) || api::recognise_surface(head) ||
+        may_be_binary_stl(head) || !api::kind_of_file(head).empty())
         return {};
-    return failure(ErrorCode::Unsupported,
-                   "this is neither a text nor a known binary file; it seems to be " + api::kind_of_body(head));
+    return failure(ErrorCode::Unsupported, "this is neither a text nor a binary file of a known kind");
 }
 
 Result<void> read_value_files(Arguments& arguments) {
@@ -192,10 +191,8 @@ Result<void> read_value_files(Arguments& arguments) {
         const bool is_mesh = names_mesh(*option);
         if (!is_mesh && (!option->takes_json || !value.starts_with('@'))) continue;
         const std::string file = value.substr(value.starts_with('@') ? 1 : 0);
-        auto content = read_file(file, arguments.memory, [](std::string_view head) -> Result<void> {
-            if (api::recognise_image(head)) return {};
-            return check_head(*find_command("sample"), head);
-        });
+        auto content = read_file(file, arguments.memory,
+                                 [](std::string_view head) { return check_head(*find_command("sample"), head); });
         if (content && is_mesh && !api::recognise_surface(*content))
             content = failure(ErrorCode::Unsupported, "this is not an STL, OBJ, PLY, OFF, GLB or glTF file");
         if (!content) return failure(content.error().code, file + ": " + content.error().message, option->member);

@@ -39,8 +39,8 @@ Result<api::ParsedPointer> parse_request(const Command& command, const ApiReques
 Result<void> read_value_files(Arguments& arguments);
 
 /// Checks the first bytes of a large input, so that a file of no known format, which may have no end, is not read.
-/// Errors: those of recognise_image() for pictures; otherwise Unsupported for bytes that are no text, unless they begin
-/// a binary file that the command reads.
+/// A file of a known kind passes even if the command does not read it, because the error of the parser names the kind
+/// and what is accepted. Errors: those of recognise_image() for pictures; otherwise Unsupported.
 Result<void> check_head(const Command& command, std::string_view head);
 
 /// Finds the format of an output. The option `format` names it, or else the suffix of the file's name chooses it.

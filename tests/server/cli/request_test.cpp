@@ -54,7 +54,8 @@ TEST(Request, PutsAMapIntoABodyIfAnOptionRequiresIt) {
     const std::string map = R"({"type":"Polygon","coordinates":[]})";
     EXPECT_EQ(Line("sample", {"--sites=20"}).build(&map)->body, map);
     const std::string no_map = "1},";
-    EXPECT_NE(Line("sample", {"--fixed=[]"}).build(&no_map).error().message.find("seems to be text"), std::string::npos);
+    EXPECT_NE(Line("sample", {"--fixed=[]"}).build(&no_map).error().message.find("seems to be text"),
+              std::string::npos);
     EXPECT_EQ(Line("sample", {"--sites=20", "--fixed=[[1,2]]"}).build(&map)->body,
               R"({"geometry":)" + map + R"(,"sites":20,"fixed":[[1,2]]})");
 }
@@ -92,15 +93,15 @@ TEST(Request, ChoosesTheFormatByTheSuffix) {
     EXPECT_NE(Line("halftone", {"--device=bwr"}).format_for("a.svg").find(".png, .bmp"), std::string::npos);
 }
 
-TEST(Request, NamesTheKindOfALargeFileThatIsNotRead) {
-    const auto check = [](std::string head) {
+TEST(Request, ReadsNoLargeFileOfAnUnknownKind) {
+    const auto is_read = [](std::string head) {
         head.resize(1'000);
-        const auto checked = check_head(*find_command("sample"), head);
-        return checked ? "" : checked.error().message;
+        return check_head(*find_command("sample"), head).has_value();
     };
-    EXPECT_TRUE(check(std::string("SQLite format 3").append(53, '\0') + "GPKG").ends_with("seems to be a GeoPackage"));
-    EXPECT_TRUE(check({'i', 0, 'd', 0, ',', 0}).ends_with("seems to be text in UTF-16, not in UTF-8"));
-    EXPECT_TRUE(check("\1").ends_with("seems to be binary data of an unknown kind"));
+    EXPECT_TRUE(is_read(std::string("SQLite format 3").append(53, '\0') + "GPKG"));
+    EXPECT_TRUE(is_read({'i', 0, 'd', 0, ',', 0}));
+    EXPECT_FALSE(is_read("\1"));
+    EXPECT_FALSE(is_read(""));
 }
 
 TEST(Request, DescribesErrorsByOptionsAndFlags) {
