@@ -120,7 +120,8 @@ Result<ParsedPointer> pack(Result<Request> request, const Limits& limits) {
 Result<ParsedPointer> parse_halftone_request(std::string_view body, HalftoneBody kind,
                                              const std::vector<TextOption>& options, std::string_view accept,
                                              const Limits& limits) {
-    constexpr std::string_view kAccepted = "pictures, and JSON with the member image";
+    constexpr std::string_view kAccepted =
+        "pictures (PNG, JPEG, WebP, TIFF, GIF, BMP and AVIF), and JSON with the member image";
     const auto input =
         kind == HalftoneBody::Json ? read_halftone_json(body, options, limits) : read_picture(body, options, limits);
     if (!input) return not_json(body, input.error(), kAccepted);
