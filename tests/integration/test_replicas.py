@@ -11,7 +11,6 @@ import subprocess
 import tempfile
 import unittest
 
-import test_jobs
 from engine import Redis, SlowWay
 from harness import PATIENCE, Call, Server, ask, execute, figures_at_rest, wait_until
 from test_jobs import ENDLESS, LATER, LONG, SMALL, events, status, submit, wait_for, wait_for_end, without_time
@@ -29,17 +28,6 @@ def ends_logged(log):
     for job in re.findall(r"job ([0-9a-f]{32}) (?:succeeded|failed)", log):
         counts[job] = counts.get(job, 0) + 1
     return counts
-
-
-class JobsByRedis(test_jobs.Jobs):
-    """Runs all tests of jobs, with jobs kept by Redis."""
-
-    @classmethod
-    def setUpClass(cls):
-        cls.redis = Redis()
-        cls.addClassCleanup(cls.redis.__exit__)
-        cls.flags = ("--workers=2", f"--redis={cls.redis.url}")
-        super().setUpClass()
 
 
 class Replicas(unittest.TestCase):
