@@ -174,7 +174,7 @@ class Errors(VolumeCase):
                  (npy_of(VOXELS), "sites=9&width=1e9", 422, "domain", "quarter"),
                  (npy_of(numpy.ones((11, 10, 10))), "sites=5", 413, None, "max-pixels"),
                  (npy_of(numpy.ones((2, 2))), "sites=5", 400, None, "not (2, 2)"),
-                 (npy_of(VOXELS.astype(">u2")), "sites=5", 400, None, "little-endian"),
+                 (npy_of(VOXELS.astype("<c8")), "sites=5", 400, None, "c8"),
                  (npy_of(VOXELS)[:-1], "sites=5", 400, None, "47 bytes"),
                  (colour.getvalue(), "sites=5", 422, "density", "page 1 is not grey"),
                  (mixed, "sites=5", 422, "density", "page 2 has samples of another type than page 1"),
