@@ -254,10 +254,11 @@ tl::unexpected<Error> incompatible(const Draft& draft, std::string_view option, 
     return failure(ErrorCode::Malformed, std::string(option).append(" ").append(what), draft.request.field_of(option));
 }
 
-/// Returns the middles of the features of a collection.
+/// Returns the middles of all features.
 std::vector<std::optional<Point3>> middles(const Draft& draft) {
     const std::span<const PolygonPart> parts = draft.geometry->parts;
-    const auto& first_part = draft.geometry->features;
+    // A single feature has all parts.
+    const auto first_part = draft.source->is_collection ? draft.geometry->features : std::vector<std::size_t>{0};
     std::vector<std::optional<Point3>> places;
     for (std::size_t i = 0; i < first_part.size(); ++i) {
         const std::size_t end = i + 1 < first_part.size() ? first_part[i + 1] : parts.size();

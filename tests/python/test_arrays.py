@@ -306,10 +306,13 @@ def test_open_files_and_devices_are_written_directly(tmp_path):
 
 INTERRUPTED = """
 import ccdt, os, signal
-signal.signal(signal.SIGALRM, lambda *_: 1 / 0)
+def interrupt(*_):
+    signal.setitimer(signal.ITIMER_REAL, 0)
+    raise ZeroDivisionError
+signal.signal(signal.SIGALRM, interrupt)
 os.mkfifo("pipe")
-signal.setitimer(signal.ITIMER_REAL, 0.1, 0.1)
 try:
+    signal.setitimer(signal.ITIMER_REAL, 0.1, 0.1)
     ccdt.sample(ccdt.Torus(), 5).save("pipe", "csv")
 except ZeroDivisionError:
     print("interrupted")
