@@ -396,7 +396,7 @@ class Case(unittest.TestCase):
             (("halftone", picture, folder / "none" / "dots.png"), f"{UNAVAILABLE} output: {folder}/none/dots.png cannot"),
             (("halftone", picture, "/dev/full", "format", "svg"),
              f"{UNAVAILABLE} output: /dev/full cannot be written: No space left"),
-            (("sample", picture, folder / "dots.csv", "sites", "9"), f"{MALFORMED} "),
+            (("sample", picture, folder / "dots.csv", "sites", "9"), f"{UNSUPPORTED} "),
             (("sample", POLYGONS / "two-countries.zip", kept, "sites", "9", "object", "none"), f"{UNUSABLE} object: "),
             (("analyze", picture, folder / "plot.svg", "sites", "9"), f"{MALFORMED} sites: the body is not a mesh"),
         )
