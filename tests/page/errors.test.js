@@ -35,7 +35,7 @@ test("shows the error of a file that is not a picture", async () => {
   await page.setInputFiles("#halftone .file", { name: "letter.txt", mimeType: "text/plain", buffer: Buffer.from("Dear reader") });
   await settled(page, "halftone", "failed");
   for (const place of [".picture-error", ".general"])
-    assert.match(await page.textContent(`#halftone ${place}`), /^This file is not an image the server can read; the supported formats are PNG/);
+    assert.match(await page.textContent(`#halftone ${place}`), /^This file is not an image the server can read: this is text; the supported formats are PNG/);
   assert.match(await page.textContent("#halftone .status"), /^20,000 dots/);
   assert.match(await page.textContent("#halftone pre"), /astronaut\.jpg/);
   assert.equal(await page.evaluate(() => location.hash), "#halftone");
