@@ -42,7 +42,7 @@ public:
     using JobId = std::uint64_t;
     using Clock = std::chrono::steady_clock;
 
-    /// What the pool and a running job tell each other.
+    /// The stop token that a running job receives, and the processor time that it reports.
     struct Turn {
         std::stop_token stop;
         double used = 0;  ///< processor time in seconds, set by the job; 0: unknown, the elapsed time is charged
