@@ -363,12 +363,18 @@ TEST(VolumeSample, PutsEdgesOfTetrahedraAlongCreases) {
 }
 
 TEST(VolumeSample, AcceptsExtremeSidesAndFewSites) {
-    for (const auto* side : {"1e-308", "5e-324", "1e308"}) {
-        const std::string sides = R"("width":)" + std::string(side) + R"(,"height":)" + side + R"(,"depth":)" + side;
+    const auto cube = [](const std::string& side) {
+        return R"("width":)" + side + R"(,"height":)" + side + R"(,"depth":)" + side;
+    };
+    for (const auto* side : {"1e-301", "1e-308", "5e-324"}) {
+        EXPECT_EQ(answer(R"({"sites":1,"domain":{"type":"box",)" + cube(side) + "}}").error().message,
+                  "the sides must be finite and at least 1e-300");
+    }
+    for (const auto* side : {"1e-300", "1e308"}) {
         for (const auto* type : {"box", "torus"}) {
             for (const auto* sites : {"1", "30"}) {
                 const std::string body = R"({"order":"progressive","sites":)" + std::string(sites) +
-                                         R"(,"domain":{"type":")" + type + "\"," + sides + "}}";
+                                         R"(,"domain":{"type":")" + type + "\"," + cube(side) + "}}";
                 const Json json = json_of(answer(body));
                 for (const auto& [x, y, z] : points_of(json.at("points"))) {
                     const double limit = Json::parse(side);
