@@ -1,14 +1,29 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Included by ctest: adds one test for each suite of a GoogleTest program. The processes of single cases would take longer
-# to start than the cases take to run. Reads: program, limit (seconds), environment.
+# Included by ctest: adds a test for each suite of a GoogleTest program or, with each_case, for each case. A process for
+# each case would usually take longer to start than the case takes to run.
+# Reads: program, each_case, limit (seconds), environment.
 execute_process(COMMAND "${program}" --gtest_list_tests OUTPUT_VARIABLE lines RESULT_VARIABLE status)
 if(NOT status EQUAL 0)
     add_test("${program}_LISTS_ITS_TESTS" "${program}" --gtest_list_tests)
     return()
 endif()
-string(REGEX MATCHALL "(^|\n)[A-Za-z0-9_/]+\\." suites "${lines}")
-foreach(suite IN LISTS suites)
-    string(REGEX REPLACE "^\n|\\.$" "" suite "${suite}")
-    add_test("${suite}" "${program}" "--gtest_filter=${suite}.*" --gtest_brief=1)
-    set_tests_properties("${suite}" PROPERTIES TIMEOUT "${limit}" ENVIRONMENT "${environment}")
+string(REGEX REPLACE " *#[^\n]*" "" lines "${lines}")
+string(REGEX MATCHALL "[^\n]+" lines "${lines}")
+foreach(line IN LISTS lines)
+    if(line MATCHES "^ +(.+)$")
+        set(test "${suite}${CMAKE_MATCH_1}")
+        set(filter "${test}")
+        set(is_wanted ${each_case})
+    elseif(line MATCHES "^(.+)\\.$")
+        set(suite "${line}")
+        set(test "${CMAKE_MATCH_1}")
+        set(filter "${suite}*")
+        string(COMPARE NOTEQUAL "${each_case}" ON is_wanted)
+    else()
+        continue()  # "Running main() from ..."
+    endif()
+    if(is_wanted)
+        add_test("${test}" "${program}" "--gtest_filter=${filter}" --gtest_brief=1)
+        set_tests_properties("${test}" PROPERTIES TIMEOUT "${limit}" ENVIRONMENT "${environment}")
+    endif()
 endforeach()
