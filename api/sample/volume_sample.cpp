@@ -158,14 +158,15 @@ void order_points(const VolumeRequest& request, const Solid* solid, const VoxelD
               control.stop);
 }
 
-/// Estimates the number of points, and of copies of them in the rim of a torus, that are triangulated for each site.
+/// Estimates the number of points and of copies of them within two spacings of the domain, for each site. Thin domains
+/// are as thick as a spacing during the computation.
 double copies_of(const VolumeRequest& request) {
-    if (request.solid || !request.domain.periodic) return 1;
+    if (request.solid) return 1;
     constexpr double kRim = 4;  // on both sides together, in spacings
-    const auto& [x, y, z] = request.domain.sides;
-    const double spacing = std::cbrt(x) * std::cbrt(y) * std::cbrt(z) /
-                           std::cbrt(static_cast<double>(request.run.sites + request.run.fixed.size()));
-    return (1 + kRim * spacing / x) * (1 + kRim * spacing / y) * (1 + kRim * spacing / z);
+    const auto count = static_cast<double>(request.run.sites + request.run.fixed.size());
+    const Point3 sides = unit_sides(request.domain.sides, request.run.sites + request.run.fixed.size());
+    const double spacing = std::cbrt(sides.x * sides.y * sides.z / count);
+    return (1 + kRim * spacing / sides.x) * (1 + kRim * spacing / sides.y) * (1 + kRim * spacing / sides.z);
 }
 
 }  // namespace
@@ -252,8 +253,9 @@ Cost cost_of(const VolumeRequest& request) {
     constexpr Estimate kUneven{260, 65 * kMicrosecond}, kSolid{250, 65 * kMicrosecond};
     constexpr Estimate kMesh{750, 14 * kMicrosecond}, kSolidMesh{750, 120 * kMicrosecond},
         kProgressive{100, 7 * kMicrosecond};
-    constexpr Estimate kTriangle{300, 3.2 * kMicrosecond};           // of a mesh, as for points on its surface
-    constexpr double kInBlock = 1'200, kMaxInBlocks = 4.0 * 10'000;  // sites of blocks that are relaxed at a time
+    constexpr Estimate kTriangle{300, 3.2 * kMicrosecond};         // of a mesh, as for points on its surface
+    constexpr double kInBlock = 750, kMaxInBlocks = 4.0 * 10'000;  // sites of blocks that are relaxed at a time
+    constexpr Estimate kCopy{50, 12 * kMicrosecond};
     const VolumeOptions& run = request.run;
     Estimate site = kOfQuality[static_cast<std::size_t>(run.quality)];
     if (request.solid) {
@@ -261,11 +263,18 @@ Cost cost_of(const VolumeRequest& request) {
     } else if (!request.density.is_uniform.value_or(false)) {
         site = site + kUneven;
     }
-    if (run.keep_mesh) site = site + (request.solid ? kSolidMesh : kMesh) * copies_of(request);
+    const double points_per_site = copies_of(request);
+    site = site + kCopy * (points_per_site - 1);
+    if (run.keep_mesh) site = site + (request.solid ? kSolidMesh : kMesh * points_per_site);
     if (request.order == PointOrder::Progressive) site = site + kProgressive;
     const auto count = static_cast<double>(run.sites + run.fixed.size());
-    const Estimate points = site * count + Estimate{kInBlock * std::min(count, kMaxInBlocks), 0} +
-                            request.format->per_site * static_cast<double>(run.sites);
+    // Blocks of a thin domain have fewer sites, so that they have at most three times as many points as sites of
+    // others.
+    const double in_block = kInBlock * std::max(1.6, points_per_site);
+    const double in_blocks =
+        std::min(in_block * count, kInBlock * kMaxInBlocks * std::clamp(points_per_site, 1.6, 3.0));
+    const Estimate points =
+        site * count + Estimate{in_blocks, 0} + request.format->per_site * static_cast<double>(run.sites);
     const SurfaceHeader mesh = request.solid ? request.solid->header : SurfaceHeader{};
     const Estimate read{static_cast<double>(mesh.decoder_bytes), 0};
     Cost cost = total_cost(

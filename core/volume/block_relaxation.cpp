@@ -16,6 +16,8 @@ namespace {
 
 /// Largest number of sites in a block. Larger blocks have smaller rims, but need more memory.
 constexpr std::size_t kMostSites = 10000;
+/// Largest number of copies of these sites, which only thin domains exceed. Their blocks have fewer sites.
+constexpr std::size_t kMostCopies = 2 * kMostSites;
 constexpr std::size_t kFewestBlocks = 2;  ///< allows two threads to share the work if there are few sites
 /// Share of the sites on the lower side of the first planes in odd calls, whose blocks thus have other borders.
 constexpr double kOddShare = 0.4;
@@ -116,7 +118,7 @@ double BlockRelaxation<Domain>::relax(std::span<Point3> sites, std::size_t free,
     return std::sqrt(std::max(0.0, all.second / all.count - mean * mean)) / mean;
 }
 
-/// Divides the domain into blocks of up to kMostSites sites.
+/// Divides the domain into blocks of up to kMostSites sites with about kMostCopies copies.
 template <class Domain>
 std::vector<typename BlockRelaxation<Domain>::Block> BlockRelaxation<Domain>::divide(
     std::span<const Point3> sites) const {
@@ -130,7 +132,8 @@ std::vector<typename BlockRelaxation<Domain>::Block> BlockRelaxation<Domain>::di
         });
     }
     std::vector<Block> blocks;
-    const std::size_t most = std::min(kMostSites, (sites.size() + kFewestBlocks - 1) / kFewestBlocks);
+    const std::size_t most = std::min({kMostSites, (sites.size() + kFewestBlocks - 1) / kFewestBlocks,
+                                       kMostCopies * sites.size() / std::max<std::size_t>(1, all.near.size())});
     divide(std::move(all), sites, most, calls_ % 2 == 1 ? kOddPlanes : 0, blocks);
     return blocks;
 }

@@ -2,9 +2,8 @@
 #include "core/volume/distribute_volume.h"
 
 #include <algorithm>
-#include <charconv>
+#include <array>
 #include <cmath>
-#include <string>
 #include <vector>
 
 #include "core/volume/fixed_point_error.h"
@@ -13,22 +12,25 @@ namespace ccdt {
 
 namespace {
 
-constexpr double kThinnest = 0.25;  ///< least side of a domain, in spacings
-
 /// Smallest side of a domain. Coordinates in a smaller domain have too few different values.
 constexpr double kShortest = 1e-300;
-
-/// Writes a number with three digits.
-std::string rounded(double value) {
-    char digits[32];
-    return {digits, std::to_chars(digits, digits + sizeof digits, value, std::chars_format::general, 3).ptr};
-}
 
 bool is_length(double v) {
     return std::isfinite(v) && v >= kShortest;
 }
 
 }  // namespace
+
+Point3 unit_sides(Point3 sides, std::size_t points) {
+    std::array<double*, 3> ascending{&sides.x, &sides.y, &sides.z};
+    std::ranges::sort(ascending, {}, [](const double* side) { return *side; });
+    const auto [shortest, middle, longest] = ascending;
+    const double scale = *longest, share = 1 / static_cast<double>(points);
+    for (double* side : ascending) *side /= scale;
+    *middle = std::max(*middle, share);
+    *shortest = std::max(*shortest, std::sqrt(*middle * share));
+    return sides;
+}
 
 Result<void> check_volume(const BoxDomain3& domain, const VolumeOptions& options) {
     if (auto checked = check_sites(options); !checked) return checked;
@@ -41,31 +43,29 @@ Result<void> check_volume(const BoxDomain3& domain, const VolumeOptions& options
         if (!within(p.x, sides.x) || !within(p.y, sides.y) || !within(p.z, sides.z))
             return tl::unexpected(fixed_point_error(i, p, "in the domain"));
     }
-    // The volume could overflow.
-    const double volume_root = std::cbrt(sides.x) * std::cbrt(sides.y) * std::cbrt(sides.z);
-    const double spacing = volume_root / std::cbrt(static_cast<double>(options.sites + options.fixed.size()));
-    const double shortest = std::min({sides.x, sides.y, sides.z});
-    if (shortest >= kThinnest * spacing) return {};
-    return failure(ErrorCode::Unusable,
-                   "the shortest side, " + rounded(shortest) +
-                       ", is less than a quarter of the mean distance between points, " + rounded(spacing),
-                   "domain");
+    return {};
 }
 
 Result<VolumeDistribution> distribute_in_volume(const BoxDomain3& domain, const VoxelDensity& density,
                                                 const VolumeOptions& options, const Control& control) {
     if (auto checked = check_volume(domain, options); !checked) return tl::unexpected(checked.error());
-    const double scale = std::max({domain.sides.x, domain.sides.y, domain.sides.z});
-    const BoxDomain3 unit{{domain.sides.x / scale, domain.sides.y / scale, domain.sides.z / scale}, domain.periodic};
+    const Point3 sides = domain.sides;
+    const BoxDomain3 unit{unit_sides(sides, options.sites + options.fixed.size()), domain.periodic};
+    const double longest = std::max({sides.x, sides.y, sides.z});
+    const auto factor = [&](double side, double unit_side) {
+        return side / longest == unit_side ? longest : side / unit_side;
+    };
+    const Point3 scale{factor(sides.x, unit.sides.x), factor(sides.y, unit.sides.y), factor(sides.z, unit.sides.z)};
+    const auto scaled = [&](Point3 p) { return Point3{scale.x * p.x, scale.y * p.y, scale.z * p.z}; };
     std::vector<Point3> fixed;
-    for (const Point3 p : options.fixed) fixed.push_back(unit.inside({p.x / scale, p.y / scale, p.z / scale}));
+    for (const Point3 p : options.fixed) fixed.push_back(unit.inside({p.x / scale.x, p.y / scale.y, p.z / scale.z}));
 
     auto result = construct_volume(unit, density, std::nullopt, options, fixed, control);
     if (!result) return result;
     if (result->mesh) {
-        for (Point3& vertex : result->mesh->vertices) vertex = scale * vertex;
+        for (Point3& vertex : result->mesh->vertices) vertex = scaled(vertex);
     }
-    for (Point3& p : result->points) p = domain.inside(scale * p);
+    for (Point3& p : result->points) p = domain.inside(scaled(p));
     return result;
 }
 

@@ -42,9 +42,8 @@ public:
                 if (!is_original) add(number, copy);
             });
         }
-        // Encloses all points, even if there are none near the border. On a narrow torus, the points are farther apart
-        // along the longest side than their spacing.
-        if (!spacing.is_uniform() || shortest < spacing.mean()) {
+        // Encloses all points, even if there are none near the border.
+        if (!spacing.is_uniform()) {
             const Point3 p = points.front(), margin = 1.5 * domain.sides;
             domain.for_copies(p, Box3{p - margin, p + margin}, [&](Point3 copy, bool) { add_missing(0, copy); });
         }

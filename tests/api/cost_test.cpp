@@ -438,8 +438,11 @@ TEST(VolumeCost, BoundsMemoryUsed) {
     for (int i = 0; i < 1'000'000; ++i) voxels += i % 100 < 50 ? "1," : "2,";
     voxels.back() = ']';
     const std::string few = R"({"sites":10,"domain":{"type":"box","width":1,"height":1,"depth":1},"density":)";
-    for (const std::string& body : {torus + R"(,"quality":"draft","mesh":true)", box + R"(,"order":"progressive")",
-                                    torus + R"(,"quality":"stealthy")", few + voxels + '}'}) {
+    std::string rod = torus;
+    rod.replace(rod.find("height\":1"), 9, R"(height":1e-9)").replace(rod.find("depth\":1"), 8, R"(depth":1e-9)");
+    for (const std::string& body :
+         {torus + R"(,"quality":"draft","mesh":true)", box + R"(,"order":"progressive")",
+          torus + R"(,"quality":"stealthy")", few + voxels + '}', rod, rod + R"(,"quality":"draft","mesh":true)"}) {
         const auto document = JsonDocument::parse(body + '}');
         ASSERT_TRUE(document) << document.error().message;
         const auto request = parse_volume(document->root(), {}, "", {});

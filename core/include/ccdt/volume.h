@@ -92,11 +92,10 @@ struct VolumeSample {
 /// @param sites  number of points, 1 to 2^30 with the fixed points; the result has exactly this number
 ///
 /// Errors: Malformed for an option out of range, a number of density values other than that of the voxels, a side that
-/// is not positive or not finite, a vertex that is not finite, an index without a vertex, and a fixed point outside the
-/// domain; Unusable for a box or torus that is thinner than a quarter of the points' distance, a surface that is open
-/// or encloses no volume, and a density that is zero everywhere in the domain; LimitExceeded for more than 2^30
-/// triangles; Stopped. The same arguments give the same points, whatever the number of threads. O(n log n) for n =
-/// sites + triangles, and O(voxels).
+/// is below 1e-300 or not finite, a vertex that is not finite, an index without a vertex, and a fixed point outside the
+/// domain; Unusable for a surface that is open or encloses no volume, and a density that is zero everywhere in the
+/// domain; LimitExceeded for more than 2^30 triangles; Stopped. The same arguments give the same points, whatever the
+/// number of threads. O(n log n) for n = sites + triangles, and O(voxels).
 CCDT_EXPORT VolumeSample sample_volume(const VolumeDomain& domain, std::size_t sites, const VolumeOptions& options = {},
                                        const Control& control = {});
 

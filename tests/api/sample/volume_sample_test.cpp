@@ -253,7 +253,6 @@ TEST(VolumeSample, NamesTheFieldOfErrors) {
         {"{" + kBox + '}', {}, ErrorCode::Malformed, "/sites"},
         {box("0"), {}, ErrorCode::Malformed, "/domain/width"},
         {box("-1"), {}, ErrorCode::Malformed, "/domain/width"},
-        {box("1e308"), {}, ErrorCode::Unusable, "/domain"},
         {box("1e-308"), {}, ErrorCode::Malformed, "/domain"},
         {box("1,\"x\":1"), {}, ErrorCode::Malformed, "/domain/x"},
         {json(R"("domain":{"type":"box","width":1})"), {}, ErrorCode::Malformed, "/domain"},
@@ -309,8 +308,6 @@ TEST(VolumeSample, NamesTheFieldOfErrors) {
     EXPECT_NE(surface.error().message.find("needs domain=solid"), std::string::npos) << surface.error().message;
     const auto message = [](const Result<Answer>& result) { return result ? "" : result.error().message; };
     EXPECT_EQ(message(answer(json(R"("domain":"solid")"))), "domain solid needs a mesh");
-    EXPECT_EQ(message(answer(box("1e-300"))),
-              "the shortest side, 1e-300, is less than a quarter of the mean distance between points, 4.81e-101");
     EXPECT_EQ(message(answer(voxels, {{"sites", "9"}, {"domain", R"({"type":"box","width":0})"}})),
               "domain/width must be a number above 0");
     EXPECT_EQ(message(answer(voxels, {{"sites", "9"}, {"domain", "{x"}})), "domain is not valid JSON: error at byte 2");
@@ -328,7 +325,7 @@ TEST(VolumeSample, ChecksDomainsAndVoxelsBeforeItRuns) {
     const std::vector<TextOption> torus = {{"sites", "32"}, {"domain", "torus"}, {"quality", "stealthy"}};
     EXPECT_EQ(field(json(kBox + R"(,"density":{"width":1,"height":1,"depth":2,"values":[0,0]})")), "/density");
     EXPECT_EQ(field(json(kBox + R"(,"fixed":[[0,0,9]])")), "/fixed/0");
-    EXPECT_EQ(field(json(R"("domain":{"type":"box","width":1,"height":1,"depth":1e-9})")), "/domain");
+    EXPECT_EQ(field(json(R"("domain":{"type":"box","width":1,"height":1,"depth":1e-301})")), "/domain");
     EXPECT_EQ(field(npy_of<float>("<f4", {1, 1, 2}, {0, 0}), torus), "density");
     EXPECT_EQ(field(npy_of<float>("<f4", {1, 1, 2}, {1, -1}), torus), "density/1");
     EXPECT_EQ(field(npy_of<float>("<f4", {1, 1, 2}, {1, 2}), torus), "quality");

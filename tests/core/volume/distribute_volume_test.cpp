@@ -213,6 +213,35 @@ TEST(DistributeInVolume, HandlesFewPoints) {
     }
 }
 
+TEST(DistributeInVolume, SpreadsSitesAlongTheLongSidesOfThinDomains) {
+    for (const bool periodic : {false, true}) {
+        for (const double thickness : {1e-3, 1e-7, 1e-200}) {
+            const BoxDomain3 rod{{thickness, 5, thickness}, periodic};
+            std::vector<double> places;
+            for (const Point3 p : distributed(rod, {.sites = 200}).points) places.push_back(p.y / rod.sides.y);
+            std::ranges::sort(places);
+            for (std::size_t i = 1; i < places.size(); ++i) {
+                EXPECT_GT(200 * (places[i] - places[i - 1]), 0.85) << periodic << thickness;
+                EXPECT_LT(200 * (places[i] - places[i - 1]), 1.15) << periodic << thickness;
+            }
+            const BoxDomain3 plate{{1, 1, thickness}, periodic};
+            std::vector<Point3> in_plane = distributed(plate, {.sites = 900}).points;
+            for (Point3& p : in_plane) p.z = 0;
+            EXPECT_GT(30 * distances({{1, 1, 1}, periodic}, in_plane).least, 0.8) << periodic << thickness;
+        }
+    }
+}
+
+TEST(DistributeInVolume, FillsThinBoxesWithTetrahedra) {
+    for (const Point3 sides : {Point3{1, 1e-4, 1e-4}, Point3{2, 1e-6, 1}}) {
+        const BoxDomain3 box{sides};
+        for (const std::size_t sites : {1, 17, 157}) {
+            const auto mesh = distributed(box, {.sites = sites, .keep_mesh = true}).mesh;
+            EXPECT_NEAR(volume_of(*mesh, box) / box.volume(), 1, 1e-9) << sites;
+        }
+    }
+}
+
 TEST(DistributeInVolume, HandlesThinDomainsOfVaryingDensity) {
     // Where the density is low, the spacing is about 25 times the shortest side.
     const VoxelDensity density = *VoxelDensity::create({2, 2, 1}, std::array<double, 4>{1, 1e-3, 1e-3, 1e-3});
@@ -285,8 +314,10 @@ TEST(DistributeInVolume, FillsToriWithWideGapsWithTetrahedra) {
         std::ranges::sort(tetrahedra);
         EXPECT_EQ(tetrahedra, all_tetrahedra(domain.sides, mesh->vertices, around)) << sites;
     };
-    for (const std::size_t sites : {3, 5, 17})
-        compare({{1, 0.02, 0.02}, true}, VoxelDensity::uniform(), sites, {2, 24, 24});
+    for (const std::size_t sites : {3, 5, 17}) {
+        const double side = 1 / static_cast<double>(sites);
+        compare({{1, side, side}, true}, VoxelDensity::uniform(), sites, {2, 6, 6});
+    }
     for (const std::size_t sites : {1, 2, 9, 40}) compare(kTorus, *crowded, sites, {2, 2, 2});
 }
 
@@ -371,9 +402,7 @@ TEST(DistributeInVolume, RejectsOptionsOutOfRange) {
     EXPECT_EQ(field({{1, 0, 1}, false}, {.sites = 1}), "domain");
     EXPECT_EQ(field({{1, std::numeric_limits<double>::quiet_NaN(), 1}, false}, {.sites = 1}), "domain");
     EXPECT_EQ(field({{1, std::numeric_limits<double>::infinity(), 1}, true}, {.sites = 1}), "domain");
-    EXPECT_EQ(field({{1, 1e-3, 1}, true}, {.sites = 100}), "domain");
     EXPECT_EQ(field({{5e-324, 5e-324, 5e-324}, false}, {.sites = 17}), "domain");
-    EXPECT_EQ(field({{1e300, 1e-300, 1}, true}, {.sites = 100}), "domain");
     EXPECT_EQ(field(kBox, {.sites = 1, .fixed = {{0.5, 0.5, 0.5}, {0.5, 1.5, 0.5}}}), "fixed/1");
 }
 
