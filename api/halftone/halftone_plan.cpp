@@ -531,7 +531,9 @@ Result<PlacedDots> place_dots(const HalftoneRequest& request, HalftonePlan& plan
             return plan.proof->moves(sites, control.stop, *control.executor);
         };
     }
-    auto dots = distribute_inks(*domain, densities, plan.sites, request.run, control, retouch);
+    Options run = request.run;
+    run.keep_steps = false;
+    auto dots = distribute_inks(*domain, densities, plan.sites, run, control, retouch);
     if (!dots) return about_image(dots.error(), request);
     for (const Distribution& each : *dots) {
         if (auto whole = check_whole(each.stopped, request.on_deadline); !whole)

@@ -30,7 +30,7 @@ private:
     bool can_be_silent() const;
     Result<void> start();
     void iterate();
-    Result<void> polish();
+    void polish();
     std::vector<std::vector<Point>> retouch(std::span<const std::vector<Point>> sites) const;
     void report();
     std::vector<Distribution> collect();
@@ -82,7 +82,10 @@ bool InkConstructions::can_be_silent() const {
 Result<std::vector<Distribution>> InkConstructions::execute() {
     if (auto started = start(); !started) return tl::unexpected(started.error());
     iterate();
-    if (auto polished = polish(); !polished) return tl::unexpected(polished.error());
+    polish();
+    for (Construction* construction : constructions_) {
+        if (auto finished = construction->finish(); !finished) return tl::unexpected(finished.error());
+    }
     return collect();
 }
 
@@ -104,8 +107,8 @@ void InkConstructions::iterate() {
     }
 }
 
-Result<void> InkConstructions::polish() {
-    if (!settings_ || stopping()) return {};
+void InkConstructions::polish() {
+    if (!settings_ || stopping()) return;
     std::vector<Polish::Layer> layers;
     for (Construction* construction : constructions_) {
         layers.push_back(
@@ -120,10 +123,6 @@ Result<void> InkConstructions::polish() {
     Polish(domain_, std::move(layers), control_.stop).refine(*settings_, control_.stop, after, [this](auto sites) {
         return retouch(sites);
     });
-    for (Construction* construction : constructions_) {
-        if (auto finished = construction->finish(); !finished) return finished;
-    }
-    return {};
 }
 
 /// Calls retouch_ with sites in the domain's coordinates. Returns its moves in the unit frame.

@@ -18,6 +18,13 @@ namespace ccdt {
 
 namespace {
 
+/// Returns the number of sites in the whole grid of a density whose zones sites must not leave; none if they may.
+std::optional<double> zoned_sites(const Density& density, const Options& options, const CapacityIntegral& capacity) {
+    // In the paper, sites are drawn independently; so with Start::Random, sites are not divided among zones.
+    if (!options.keep_steps || options.start == Start::Random || density.is_smooth()) return std::nullopt;
+    return static_cast<double>(options.sites) * density.total() / capacity.total();
+}
+
 tl::unexpected<Error> stopped_at_start() {
     return failure(ErrorCode::Stopped, "stopped before there was a result");
 }
@@ -54,7 +61,8 @@ Construction::Construction(const Domain& domain, const Density& density, const O
       options_(options),
       stop_(control.stop),
       executor_(*control.executor),
-      capacity_(domain, density) {}
+      capacity_(domain, density),
+      support_(domain, density, zoned_sites(density, options, capacity_)) {}
 
 Result<void> Construction::start() {
     if (!(capacity_.total() > 0)) {
@@ -123,12 +131,13 @@ Result<DomainMesh> Construction::triangulate_sites(std::vector<Point> first) {
 }
 
 const StartSites& Construction::start_sites() {
-    return start_ ? *start_ : start_.emplace(domain_, density_, options_);
+    return start_ ? *start_ : start_.emplace(domain_, density_, options_, &support_);
 }
 
 MeshPolish& Construction::polish() {
     return polish_ ? *polish_
-                   : polish_.emplace(domain_, density_, capacity_.total(), options_.sites, fixed_, stop_, executor_);
+                   : polish_.emplace(domain_, density_, capacity_.total(), options_.sites, support_, fixed_, stop_,
+                                     executor_);
 }
 
 /// Returns initial sites without long waves of density error; empty in polygons, at uniform density or without polish.
@@ -183,6 +192,11 @@ Relaxation& Construction::relaxation() {
     }
     if (fixed_.sites > 0) settings.site_share = site_share();
     settings.least_height = std::max(settings.least_height, domain_.resolution());
+    if (support_.zones() > 1) {
+        settings.fence = [this](std::uint32_t site, Point to) {
+            return support_.nearest_in_zone(placed_->mesh.point(site), to);
+        };
+    }
     return relaxation_.emplace(placed_->mesh, placed_->border.corner, capacity_.is_uniform(), settings);
 }
 
@@ -232,6 +246,7 @@ bool Construction::resettles() const {
 }
 
 void Construction::separate(std::span<const std::array<std::uint32_t, 2>> pairs) {
+    if (support_.zones() > 1) return;  // a relocated site could leave its zone
     Triangulation& mesh = placed_->mesh;
     restore_delaunay(mesh, stop_);
     measure(mesh);
@@ -252,34 +267,42 @@ void Construction::equalise(int passes) {
 
 Result<void> Construction::finish() {
     if (stopping()) return {};
-    polish_->release_memory();
-    Triangulation& mesh = placed_->mesh;
-    restore_delaunay(mesh, stop_);
-    if (auto cleared = clear_gaps(); !cleared) return cleared;
-    if (stopping()) return {};
-    const double variation = measure(mesh);
+    polish_.reset();
+    const bool polished = has_polish(options_);
+    if (polished) restore_delaunay(placed_->mesh, stop_);
+    const auto moved = move_single_sites();
+    if (!moved) return tl::unexpected(moved.error());
+    if (stopping() || !(polished || *moved)) return {};
+    const double variation = measure(placed_->mesh);
     goals_ = {};
-    if (!stopping()) result_.polished = variation;
+    if (stopping()) return {};
+    (polished ? result_.polished.emplace() : result_.trace.back()) = variation;
     return {};
 }
 
 /// Moves sites from places of density zero to the nearest positive density. If any site moves, triangulates all sites
 /// anew.
-Result<void> Construction::clear_gaps() {
-    std::vector<Point> sites;
+/// @returns  whether any site moved
+Result<bool> Construction::move_single_sites() {
+    constexpr double kAnywhere = 1;  // covers the box
+    const auto all = placed_->mesh.points().begin();
+    std::vector<Point> sites(all, all + static_cast<std::ptrdiff_t>(options_.sites));
     bool moved = false;
-    if (!capacity_.is_uniform()) {
-        const auto all = placed_->mesh.points().begin();
-        sites.assign(all, all + static_cast<std::ptrdiff_t>(options_.sites));
-        moved = polish_->clear_gaps(sites);
+    if (support_.has_gaps() && (has_polish(options_) || options_.keep_steps)) {
+        for (Point& site : sites) {
+            const Point corner = support_.box_corner(site), place = site - corner;
+            const Point to = support_.nearest(place, kAnywhere);
+            if (to == place) continue;
+            site = domain_.is_torus() ? snapped(corner + to) : to;
+            moved = true;
+        }
     }
-    polish_.reset();
-    if (!moved) return {};
+    if (!moved || stopping()) return false;
     auto again = triangulate_sites(std::move(sites));
-    if (stopping()) return {};
+    if (stopping()) return false;
     if (!again) return tl::unexpected(again.error());
     *placed_ = *std::move(again);
-    return {};
+    return true;
 }
 
 Distribution Construction::collect() {

@@ -15,6 +15,7 @@
 #include "core/ccdt/start.h"
 #include "core/polish/fixed_sites.h"
 #include "core/polish/mesh_polish.h"
+#include "core/polish/support.h"
 
 namespace ccdt {
 
@@ -57,7 +58,8 @@ public:
     /// @param pairs  pairs of sites that are too close to each other
     void separate(std::span<const std::array<std::uint32_t, 2>> pairs);
 
-    /// Restores the Delaunay property after the polish. Errors: as for start().
+    /// Ends the iterations and the polish: restores the Delaunay property, and moves sites from places where the
+    /// density is zero. Errors: as for start().
     Result<void> finish();
 
     Distribution collect();
@@ -76,7 +78,7 @@ private:
     const StartSites& start_sites();
     std::vector<Point> even_start();
     double measure(const Triangulation& mesh);
-    Result<void> clear_gaps();
+    Result<bool> move_single_sites();
     Relaxation& relaxation();
     bool is_exact(int iteration) const;
     void pass_exactly(Relaxation& relaxation);
@@ -88,6 +90,7 @@ private:
     std::stop_token stop_;
     Executor& executor_;
     CapacityIntegral capacity_;
+    Support support_;
     FixedSites fixed_;
     std::optional<DomainMesh> placed_;
     // Each of the following takes as much memory as the mesh, so it exists only while it is used.

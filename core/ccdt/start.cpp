@@ -2,10 +2,14 @@
 #include "core/ccdt/start.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
+#include <functional>
+#include <numeric>
 #include <utility>
 
 #include "core/density/coverage.h"
+#include "core/geometry/apportion.h"
 #include "core/geometry/morton.h"
 #include "core/random.h"
 
@@ -60,10 +64,64 @@ std::vector<double> shares_of(const Domain& domain, int columns, int rows) {
     return shares;
 }
 
+/// Returns the number of the pixel at a coordinate of the grid.
+int pixel_at(double v, int cells, int pixels) {
+    return std::min(static_cast<int>(v / cells * pixels), pixels - 1);
+}
+
+/// Integrals over a zone of the density.
+struct Zone {
+    double capacity = 0;
+    double squared = 0;  ///< integral of the squared density
+    Point3 moment;       ///< integral of the density times the place
+    double density() const { return capacity > 0 ? squared / capacity : 0; }
+};
+
+/// Divides sites among zones in proportion to their capacities. All zones of about the same density together, and among
+/// them those in any region, get their share within about one site.
+/// @returns  [zones]
+std::vector<std::size_t> divide_among(std::span<const Zone> zones, std::size_t sites) {
+    constexpr double kSame = 1.2;  // largest ratio of successive densities of one class
+    constexpr std::size_t kMostClasses = 16;
+    std::vector<std::size_t> order(zones.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::ranges::stable_sort(order, {}, [&](std::size_t zone) { return zones[zone].density(); });
+    std::vector<std::vector<double>> quotas;         // [classes][zones]
+    std::vector<double> sums;                        // [classes]
+    std::vector<Point3> places(zones.size()), line;  // of the zones; of the classes
+    double last = -1, total = 0;
+    for (const std::size_t number : order) {
+        const Zone& zone = zones[number];
+        if (zone.capacity > 0) places[number] = 1 / zone.capacity * zone.moment;
+        if (zone.density() > kSame * last && sums.size() < kMostClasses) {
+            line.push_back({static_cast<double>(sums.size()), 0, 0});
+            quotas.emplace_back(zones.size());
+            sums.push_back(0);
+        }
+        last = zone.density();
+        quotas.back()[number] = zone.capacity;
+        sums.back() += zone.capacity;
+        total += zone.capacity;
+    }
+    std::vector<double> shares = sums;
+    for (double& share : shares) share *= static_cast<double>(sites) / total;
+    const auto counts = apportion(line, {&shares, 1}).front();
+    for (std::size_t each = 0; each < sums.size(); ++each) {
+        for (double& quota : quotas[each]) quota *= sums[each] > 0 ? static_cast<double>(counts[each]) / sums[each] : 0;
+    }
+    std::vector<std::size_t> result(zones.size());
+    for (const auto& numbers : apportion(places, quotas))
+        std::ranges::transform(result, numbers, result.begin(), std::plus{});
+    return result;
+}
+
 }  // namespace
 
-StartSites::StartSites(const Domain& domain, const Density& density, const Options& options)
-    : density_(density), seed_(options.seed), fixed_(to_unit_frame(domain, options.fixed)) {
+StartSites::StartSites(const Domain& domain, const Density& density, const Options& options, const Support* support)
+    : density_(density),
+      support_(support != nullptr && support->zones() > 1 ? support : nullptr),
+      seed_(options.seed),
+      fixed_(to_unit_frame(domain, options.fixed)) {
     unit_size_ = domain.unit_bounds().max;
     knows_cuts_ = !domain.is_box() && density.is_uniform() && fixed_.empty();
     constexpr double kMaxCells = 4194304;
@@ -82,7 +140,8 @@ StartSites::StartSites(const Domain& domain, const Density& density, const Optio
         const double side = std::sqrt(unit_size_.x * unit_size_.y / cells);
         const auto refine = [&](int& own, int other, double length) {
             const auto most = static_cast<int>(4 * kMaxCells / other);
-            own = std::max(own, std::min(std::clamp(static_cast<int>(length / side), 1, 4096), most));
+            const int fine = std::max(own, std::min(std::clamp(static_cast<int>(length / side), 1, 4096), most));
+            own = support_ != nullptr ? fine / own * own : fine;  // no cell may belong to two zones
         };
         refine(columns_, rows_, unit_size_.x);
         refine(rows_, columns_, unit_size_.y);
@@ -97,6 +156,7 @@ StartSites::StartSites(const Domain& domain, const Density& density, const Optio
         cells_.reserve(options.sites / 2 + 1);
         cell_of_.reserve(options.sites);
         divide(box, options.sites);
+        if (support_ != nullptr) share_out_zones();
     }
 }
 
@@ -175,6 +235,66 @@ void StartSites::divide(const Rectangle& box, std::size_t sites) {
     }
 }
 
+/// Calls visit(part, capacity, zone) for the part of a box in each cell of the grid.
+template <class Visit>
+void StartSites::for_parts(const Rectangle& box, Visit&& visit) const {
+    for (int row = static_cast<int>(box.y0); row < box.y1; ++row) {
+        const double* const low = &sums_[static_cast<std::size_t>(row) * (static_cast<std::size_t>(columns_) + 1)];
+        const double* const high = low + columns_ + 1;
+        for (int column = static_cast<int>(box.x0); column < box.x1; ++column) {
+            const Rectangle part{std::max(box.x0, 1.0 * column), std::min(box.x1, column + 1.0),
+                                 std::max(box.y0, 1.0 * row), std::min(box.y1, row + 1.0)};
+            const double cell = high[column + 1] - high[column] - low[column + 1] + low[column];
+            const double capacity = std::max(0.0, cell) * (part.x1 - part.x0) * (part.y1 - part.y0);
+            visit(part, capacity, support_->zone(to_unit(column + 0.5, row + 0.5)));
+        }
+    }
+}
+
+/// Assigns cells and zones to the sites again, so that each zone gets its share. Does nothing without any capacity.
+void StartSites::share_out_zones() {
+    struct Share {
+        std::uint32_t cell;
+        double capacity;
+    };
+    std::vector<std::vector<Share>> shares(support_->zones());
+    std::vector<Zone> zones(shares.size());
+    for (std::uint32_t cell = 0; cell < cells_.size(); ++cell) {
+        for_parts(cells_[cell], [&](const Rectangle& part, double capacity, std::uint32_t number) {
+            if (!(capacity > 0)) return;
+            auto& own = shares[number];
+            if (own.empty() || own.back().cell != cell) own.push_back({cell, 0});
+            own.back().capacity += capacity;
+            const double x = (part.x0 + part.x1) / 2, y = (part.y0 + part.y1) / 2;
+            const Point middle = to_unit(x, y);
+            Zone& zone = zones[number];
+            zone.capacity += capacity;
+            zone.squared += capacity * density_at(x, y);
+            zone.moment = zone.moment + capacity * Point3{middle.x, middle.y, 0};
+        });
+    }
+    if (std::ranges::all_of(shares, &std::vector<Share>::empty)) return;
+    const auto counts = divide_among(zones, cell_of_.size());
+    std::vector<std::pair<std::uint32_t, ZoneShare>> drawn;  // cells and zones of the sites
+    for (std::uint32_t zone = 0; zone < counts.size(); ++zone) {
+        const double step = zones[zone].capacity / static_cast<double>(counts[zone]);
+        double done = 0;
+        std::size_t count = 0;
+        for (const Share& share : shares[zone]) {
+            done += share.capacity;
+            for (; count < counts[zone] && done > (static_cast<double>(count) + 0.5) * step; ++count)
+                drawn.push_back({share.cell, {zone, share.capacity}});
+        }
+    }
+    std::ranges::stable_sort(drawn, {}, [](const auto& site) { return site.first; });
+    assert(drawn.size() == cell_of_.size());
+    cell_of_.clear();
+    for (const auto& [cell, zone] : drawn) {
+        cell_of_.push_back(cell);
+        zone_of_.push_back(zone);
+    }
+}
+
 /// Whether a considerable part of a cell lies outside the domain.
 bool StartSites::is_cut(const Rectangle& box) const {
     constexpr double kCut = 0.95;  // relative to the capacity of a cell that lies inside
@@ -183,21 +303,22 @@ bool StartSites::is_cut(const Rectangle& box) const {
     return inside < kCut * (box.x1 - box.x0) * (box.y1 - box.y0);
 }
 
+double StartSites::density_at(double x, double y) const {
+    return density_.value(pixel_at(x, columns_, density_.width()), pixel_at(y, rows_, density_.height()));
+}
+
 /// Returns the density at a place relative to the largest density in its grid cell. If the density is no finer than the
 /// grid, returns 1 where the density is positive, else 0.
 double StartSites::acceptance(double x, double y) const {
     if (density_.is_uniform()) return 1;
-    const auto place = [](double v, int cells, int pixels) {
-        return std::min(static_cast<int>(v / cells * pixels), pixels - 1);
-    };
-    const double value = density_.value(place(x, columns_, density_.width()), place(y, rows_, density_.height()));
+    const double value = density_at(x, y);
     if (columns_ >= density_.width() && rows_ >= density_.height()) return value > 0 ? 1 : 0;
     const double column = std::floor(x), row = std::floor(y);
-    const int last_i = place(std::nextafter(column + 1, 0.0), columns_, density_.width());
-    const int last_j = place(std::nextafter(row + 1, 0.0), rows_, density_.height());
+    const int last_i = pixel_at(std::nextafter(column + 1, 0.0), columns_, density_.width());
+    const int last_j = pixel_at(std::nextafter(row + 1, 0.0), rows_, density_.height());
     double largest = value;
-    for (int j = place(row, rows_, density_.height()); j <= last_j; ++j) {
-        for (int i = place(column, columns_, density_.width()); i <= last_i; ++i) {
+    for (int j = pixel_at(row, rows_, density_.height()); j <= last_j; ++j) {
+        for (int i = pixel_at(column, columns_, density_.width()); i <= last_i; ++i) {
             largest = std::max(largest, density_.value(i, j));
         }
     }
@@ -216,6 +337,7 @@ void StartSites::number_along_curve() {
 }
 
 Point StartSites::draw(std::size_t site, int attempt) const {
+    if (!zone_of_.empty()) return draw_in_zone(site, attempt);
     return draw_stream(stream_of_.empty() ? site : stream_of_[site], attempt, cells_[cell_of_[site]]);
 }
 
@@ -233,7 +355,23 @@ Point StartSites::draw_stream(std::uint64_t stream, int attempt, const Rectangle
         y = cut_across_y(strip, random.uniform());
         if (random.uniform() < acceptance(x, y)) break;
     }
-    return {x / columns_ * unit_size_.x, y / rows_ * unit_size_.y};
+    return to_unit(x, y);
+}
+
+/// Draws a position in the part of a cell that belongs to the zone of a site.
+Point StartSites::draw_in_zone(std::size_t site, int attempt) const {
+    const Rectangle& box = cells_[cell_of_[site]];
+    const ZoneShare& own = zone_of_[site];
+    Random random(seed_, site + (static_cast<std::uint64_t>(attempt) << 40));
+    double left = random.uniform() * own.capacity;
+    Rectangle drawn = box;
+    for_parts(box, [&](const Rectangle& part, double capacity, std::uint32_t zone) {
+        if (zone != own.zone || left < 0 || !(capacity > 0)) return;
+        drawn = part;
+        left -= capacity;
+    });
+    const double x = std::lerp(drawn.x0, drawn.x1, random.uniform());
+    return to_unit(x, std::lerp(drawn.y0, drawn.y1, random.uniform()));
 }
 
 }  // namespace ccdt

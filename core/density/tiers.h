@@ -9,8 +9,7 @@
 
 namespace ccdt {
 
-/// Histogram of a density that is constant on the cells of a grid in the plane or in space. Four bins per octave of the
-/// density; bin 0 is for the density 0.
+/// Histogram of a density that is constant on voxels. Four bins per octave of the density; bin 0 is for the density 0.
 struct DensityHistogram {
     static constexpr std::size_t kBins = 176;
 
@@ -23,13 +22,13 @@ struct DensityHistogram {
     std::array<std::size_t, kBins> cells{};  ///< [bins] number of cells
 };
 
-/// Finds the steps of a density: values at which most of the density's contour runs between cells that are clearly
-/// above and clearly below. Only steps that the sites resolve count: on both sides, there is area for several sites,
-/// and the area is at least one spacing of the denser side wide on average.
-/// @param cells     number of cells along x, y and z; 1 along z in the plane
+/// Finds the steps of a density on voxels: values at which most of the density's contour runs between cells that are
+/// clearly above and clearly below. Only steps that the sites resolve count: on both sides, there is area for several
+/// sites, and the area is at least one spacing of the denser side wide on average.
+/// @param cells     number of voxels along x, y and z
 /// @param periodic  whether the first and the last cells along an axis are neighbours
 /// @param sites     number of sites in the whole grid
-/// @returns         number of steps that are below each cell's density [cells]; empty if there is no step
+/// @returns         number of steps that are below each voxel's density [cells]; empty if there is no step
 ///
 /// O(cells).
 std::vector<std::uint8_t> find_tiers(DensityHistogram histogram, const std::array<std::size_t, 3>& cells, bool periodic,

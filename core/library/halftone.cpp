@@ -55,6 +55,7 @@ ccdt::Options run_options(std::size_t sites, const HalftoneOptions& options) {
     run.sites = sites;
     run.seed = options.seed;
     run.quality = core_quality(options.quality);
+    run.keep_steps = false;
     if (const auto checked = ccdt::check(run); !checked) raise(checked.error());
     check_range(options.detail, 0, 1, "detail");
     if (options.quality == Quality::Stealthy)

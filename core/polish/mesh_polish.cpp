@@ -30,8 +30,8 @@ constexpr std::size_t kSites = 8192, kTriangles = 16384;
 }  // namespace
 
 MeshPolish::MeshPolish(const Domain& domain, const Density& density, double capacity, std::size_t sites,
-                       FixedSites fixed, const std::stop_token& stop, Executor& executor)
-    : executor_(executor), domain_(domain), density_(density), fixed_(std::move(fixed)), support_(domain, density) {
+                       const Support& support, FixedSites fixed, const std::stop_token& stop, Executor& executor)
+    : executor_(executor), domain_(domain), density_(density), fixed_(std::move(fixed)), support_(support) {
     if (!(fixed_.sites > 0)) fixed_.sites = static_cast<double>(sites);
     if (!fixed_.others.empty()) others_.emplace(domain, fixed_.others);
     if (domain.is_box()) {
@@ -56,22 +56,20 @@ Point MeshPolish::inside(Point p) const {
             std::clamp(p.y, kInside * sides.y, (1 - kInside) * sides.y)};
 }
 
-/// Returns the place nearest to p where a site may stand: in the domain's bounding box and where the density is not 0.
-/// If there is no such place within two spacings, the density is ignored.
+/// Returns the place nearest to `to` where a site may stand: in the domain's bounding box, in the site's zone of the
+/// density, and where the density is not 0. If the density has one zone and there is no such place within two spacings,
+/// the density is ignored.
+/// @param from     current place of the site
 /// @param spacing  returns the local spacing; called only if needed
 template <class Spacing>
-Point MeshPolish::allowed(Point p, Spacing&& spacing) const {
+Point MeshPolish::allowed(Point from, Point to, Spacing&& spacing) const {
     constexpr double kReach = 2;  // in spacings
-    p = inside(p);
-    if (density_.is_uniform()) return p;
-    Point corner;
-    if (domain_.is_torus()) {
-        const Point sides = domain_.unit_bounds().max;
-        corner = {whole(p.x / sides.x) * sides.x, whole(p.y / sides.y) * sides.y};
-    }
-    const Point place = p - corner;
+    to = inside(to);
+    if (density_.is_uniform()) return to;
+    if (support_.zones() > 1) return inside(support_.nearest_in_zone(from, to));
+    const Point corner = support_.box_corner(to), place = to - corner;
     const auto here = support_.inset_in_cell(place);
-    if (here == place) return p;
+    if (here == place) return to;
     return inside(corner + (here ? *here : support_.nearest(place, kReach * spacing())));
 }
 
@@ -95,31 +93,18 @@ void MeshPolish::even_out_start(std::span<Point> sites, const std::stop_token& s
             for (std::size_t i = begin; i < end; ++i) {
                 last[i] = moves_[i] + (free ? kMomentum : 0) * last[i];
                 const Point moved = sites[i] + last[i];
-                sites[i] = free ? inside(moved) : allowed(moved, [&] { return spacing(sites[i]); });
+                sites[i] = free && support_.zones() == 1 ? inside(moved)
+                                                         : allowed(sites[i], moved, [&] { return spacing(sites[i]); });
             }
         });
     }
-    if (!domain_.is_torus()) return;
-    const Point sides = domain_.unit_bounds().max;
-    for (Point& p : sites) p = p - Point{whole(p.x / sides.x) * sides.x, whole(p.y / sides.y) * sides.y};
+    for (Point& p : sites) p = p - support_.box_corner(p);
 }
 
 void MeshPolish::release_memory() {
     if (transport_) transport_->release_memory();
     moves_ = std::vector<Point>();
     spacings_ = std::vector<double>();
-}
-
-bool MeshPolish::clear_gaps(std::span<Point> sites) const {
-    if (density_.is_uniform()) return false;
-    constexpr double kAnywhere = 1;  // used as spacing, so that the reach covers the box
-    bool moved = false;
-    for (Point& site : sites) {
-        const Point to = allowed(site, [] { return kAnywhere; });
-        moved = moved || !(to == site);
-        site = to;
-    }
-    return moved;
 }
 
 void MeshPolish::begin(const Triangulation& mesh) {
@@ -329,7 +314,8 @@ void MeshPolish::apply(Triangulation& mesh) {
     for_ranges(executor_, mesh.free_count(), kSites, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v) {
             const Point here = mesh.points()[v], there = here + moves_[v];
-            mesh.points()[v] = density_.is_uniform() ? inside(there) : allowed(there, [&] { return spacing(here); });
+            mesh.points()[v] =
+                density_.is_uniform() ? inside(there) : allowed(here, there, [&] { return spacing(here); });
             moves_[v] = here;
         }
     });

@@ -32,11 +32,12 @@ public:
     /// @param capacity         capacity of the domain, in units of the capacity of a density cell with the value 1;
     ///                         unused if the density is uniform
     /// @param sites            number of free sites
+    /// @param support          of the density; unused if the density is uniform; must outlive this object
     /// @param fixed            existing points; `fixed.places` are the mesh's last sites
     /// @param stop             polled regularly; after a stop the object must not be used
     /// @param executor         runs the steps; must outlive this object
-    MeshPolish(const Domain& domain, const Density& density, double capacity, std::size_t sites, FixedSites fixed = {},
-               const std::stop_token& stop = {}, Executor& executor = inline_executor());
+    MeshPolish(const Domain& domain, const Density& density, double capacity, std::size_t sites, const Support& support,
+               FixedSites fixed = {}, const std::stop_token& stop = {}, Executor& executor = inline_executor());
 
     const Density& density() const { return density_; }
 
@@ -83,10 +84,6 @@ public:
     /// Moves the sites. @param moves  [sites]
     void move(Triangulation& mesh, std::span<const Point> moves);
 
-    /// Moves sites from places where the density is zero to the nearest place with a positive density.
-    /// @returns  whether any site moved
-    bool clear_gaps(std::span<Point> sites) const;
-
 private:
     void list_edges(const Triangulation& mesh, std::size_t block, std::vector<std::uint32_t>& others);
     std::vector<std::array<std::uint32_t, 2>> joined_within(const Triangulation& mesh, double half_reach) const;
@@ -101,7 +98,7 @@ private:
     bool is_sound(const Triangulation& mesh, std::uint32_t triangle, double area) const;
     Point inside(Point p) const;
     template <class Spacing>
-    Point allowed(Point p, Spacing&& spacing) const;
+    Point allowed(Point from, Point to, Spacing&& spacing) const;
 
     Executor& executor_;
     const Domain& domain_;
@@ -112,7 +109,7 @@ private:
     std::optional<MeshTransport> mesh_transport_;  ///< for polygons, created when first needed
     std::optional<Stealth> stealth_;               ///< created when first needed
     std::optional<LocalSpacing> local_;            ///< present if the density varies and there is no transport_
-    Support support_;
+    const Support& support_;
     FirstRow row_;  ///< for polygons
     /// [levels][blocks] Half-edges between sites, each listed for the smallest block that contains both of its sites.
     std::vector<std::vector<std::vector<std::uint32_t>>> edges_;

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/density/density.h"
+
+namespace ccdt {
+
+/// Divides a density into zones along its steps. A step is a difference between neighbouring cells that is more than
+/// twice what the slopes on both sides of it explain. It may include one cell of an intermediate value, as at the edge
+/// of an antialiased shape. In a cell that holds several sites, every difference is a step. A zone is a connected set
+/// of cells that no step divides. Zones that are too small for a few sites are parts of the zones around them.
+///
+/// @param density   not uniform
+/// @param periodic  whether the first and the last cells along an axis are neighbours
+/// @param sites     number of sites in the whole grid
+/// @returns         zone of each cell [height * width], from 0; empty if there is only one zone
+///
+/// O(cells).
+std::vector<std::uint32_t> find_zones(const Density& density, bool periodic, double sites);
+
+}  // namespace ccdt
