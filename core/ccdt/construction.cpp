@@ -8,6 +8,7 @@
 
 #include "core/ccdt/border.h"
 #include "core/ccdt/fixed_choice.h"
+#include "core/ccdt/narrow_places.h"
 #include "core/ccdt/placement.h"
 #include "core/ccdt/resettlement.h"
 #include "core/mesh/flips.h"
@@ -280,14 +281,16 @@ Result<void> Construction::finish() {
     return {};
 }
 
-/// Moves sites from places of density zero to the nearest positive density. If any site moves, triangulates all sites
-/// anew.
+/// Evens out sites where the domain is narrower than their spacing, and moves sites from places of density zero to the
+/// nearest positive density. If any site moves, triangulates all sites anew.
 /// @returns  whether any site moved
 Result<bool> Construction::move_single_sites() {
     constexpr double kAnywhere = 1;  // covers the box
     const auto all = placed_->mesh.points().begin();
     std::vector<Point> sites(all, all + static_cast<std::ptrdiff_t>(options_.sites));
     bool moved = false;
+    if (!domain_.is_torus() && fixed_.sites == 0 && options_.iterations > 0 && has_narrow_places(placed_->mesh))
+        moved = even_out_narrow_places(domain_, capacity_, sites, capacity_.total() * site_share(), stop_);
     if (support_.has_gaps() && (has_polish(options_) || options_.keep_steps)) {
         for (Point& site : sites) {
             const Point corner = support_.box_corner(site), place = site - corner;

@@ -58,8 +58,8 @@ public:
     /// @param pairs  pairs of sites that are too close to each other
     void separate(std::span<const std::array<std::uint32_t, 2>> pairs);
 
-    /// Ends the iterations and the polish: restores the Delaunay property, and moves sites from places where the
-    /// density is zero. Errors: as for start().
+    /// Ends the iterations and the polish: restores the Delaunay property, evens out narrow places, and moves sites
+    /// from places where the density is zero. Errors: as for start().
     Result<void> finish();
 
     Distribution collect();
