@@ -51,7 +51,7 @@ Result<bool> read_bit_order(const Input& input) {
     return read_choice<bool>(input, kOrders);
 }
 
-constexpr std::array<OptionRule<Draft>, 14> kRules = {{
+constexpr std::array<OptionRule<Draft>, 15> kRules = {{
     {"device", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.device, read_device(i)); }},
     {"palette", [](const Input& i, const Limits&, Draft& d) { return assign(d.palette, read_device_colours(i)); }},
     {"width", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.width, read_side(i)); }},
@@ -60,6 +60,7 @@ constexpr std::array<OptionRule<Draft>, 14> kRules = {{
     {"rotate", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.quarters, read_quarters(i)); }},
     {"background",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.background, read_colour(i)); }},
+    {"alpha", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.alpha, read_alpha(i)); }},
     {"levels", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.levels, read_levels(i)); }},
     {"spot", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.spot, read_number(i, kSpots)); }},
     {"width_mm", [](const Input& i, const Limits&, Draft& d) { return read_width_mm(i, d.drawing); }},
@@ -220,7 +221,9 @@ Result<Answer> run_device(const DeviceRequest& request, const Limits& limits, co
                           const Control& control, Timings& timings) {
     Stopwatch watch;
     Executor& executor = *control.executor;
-    auto picture = decode.colour(request.image.bytes, Reading(limits.max_pixels), control.stop);
+    Reading reading(limits.max_pixels);
+    if (request.alpha == AlphaMixing::Display) reading.ground = light_of(request.background);
+    auto picture = decode.colour(request.image.bytes, reading, control.stop);
     if (!picture) return failure(picture.error().code, picture.error().message, request.image_field);
     Answer answer;
     answer.pixels = static_cast<std::size_t>(picture->width) * static_cast<std::size_t>(picture->height);

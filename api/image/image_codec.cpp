@@ -54,7 +54,7 @@ Result<RowSource> open(std::string_view bytes, const ImageHeader& header, bool k
 }
 
 template <class AnyPicture>
-Result<AnyPicture> read_file(std::string_view bytes, const ImageHeader& header, int reduce,
+Result<AnyPicture> read_file(std::string_view bytes, const ImageHeader& header, const Reading& reading,
                              const NewPlane& make_plane) {
     const ColourTags tags = read_colour_tags(bytes, header.format);
     auto conversion = convert_colours(tags);
@@ -71,7 +71,7 @@ Result<AnyPicture> read_file(std::string_view bytes, const ImageHeader& header, 
     if (source->space == RowSource::Space::Lab) conversion = convert_lab();
     if (conversion && !has_colours_of(*source, *conversion)) conversion.reset();
     if (conversion && conversion->transform) source = transform_rows(*std::move(source), conversion->transform);
-    return read_picture<AnyPicture>(*source, conversion ? &*conversion : nullptr, reduce, make_plane);
+    return read_picture<AnyPicture>(*source, conversion ? &*conversion : nullptr, reading, make_plane);
 }
 
 /// Reads the rows of a page without conversion of the samples.
@@ -135,7 +135,7 @@ Result<AnyPicture> decode(std::string_view bytes, const Reading& reading, const 
         if constexpr (std::is_same_v<AnyPicture, Picture>) {
             if (reading.is_stack) return read_stack(bytes, *header, reading.max_pixels, make_plane);
         }
-        return read_file<AnyPicture>(bytes, *header, reading.reduce, make_plane);
+        return read_file<AnyPicture>(bytes, *header, reading, make_plane);
     } catch (...) {
         return broken_image();
     }

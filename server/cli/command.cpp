@@ -147,7 +147,7 @@ struct GroupRow {
 
 constexpr auto kGroups = std::to_array<GroupRow>({
     {"Area", " domain mesh=FILE depth polygon holes geometry object coordinates invalid buffer avoid exclude "},
-    {"Dots", " sites minutes per classes properties density fixed sets dot dots tone detail levels invert "},
+    {"Dots", " sites minutes per classes properties density fixed sets dot dots tone detail levels alpha invert "},
     {"Colour", " color palette foreground background layers "},
     {"Placement", " method quality iterations passes tolerance crease order mesh seed "},
     {"Analysis", " max-frequency spectrum modes "},

@@ -37,6 +37,7 @@ class HalftoneOptions(PlotOptions, total=False):
     fit: str
     dot: Union[float, str]
     detail: float
+    alpha: str
     levels: Union[str, Sequence[float]]
     antialias: bool
     dots: str
@@ -58,6 +59,7 @@ class DeviceOptions(TypedDict, total=False):
     fit: str
     rotate: int
     background: str
+    alpha: str
     levels: Union[str, Sequence[float]]
     spot: float
     width_mm: float

@@ -6,6 +6,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 #include <thread>
@@ -149,6 +150,40 @@ TEST(ImageCodec, DecodesColourChannels) {
             }
         }
     }
+}
+
+TEST(ImageCodec, ShowsPartlyTransparentPixelsOnTheGround) {
+    constexpr Light kGround{1, 0.2140411F, 0};  // sRGB values: 1, 0.5 and 0
+    constexpr std::array<float, 3> kValues{1, 0.5F, 0};
+    Reading reading(kMaxPixels);
+    reading.ground = kGround;
+    for (const auto* name : {"rgba.png", "rgba.webp", "premultiplied.tif", "rgba.avif", "premultiplied.avif"}) {
+        const auto picture = decode_colour_image(fixture(name), reading);
+        const auto grey = decode_image(fixture(name), reading);
+        ASSERT_TRUE(picture && grey) << name;
+        for (std::size_t i = 0; i < 18; ++i) {  // rows of red, green and blue
+            const float alpha = static_cast<float>(i % 6) / 5;
+            EXPECT_EQ(picture->alpha[i], alpha > 0 ? 1 : 0) << name;
+            EXPECT_EQ(grey->alpha[i], alpha > 0 ? 1 : 0) << name;
+            if (alpha == 0) continue;
+            const auto seen = [&](std::size_t channel) {
+                return srgb_to_linear(std::lerp(kValues[channel], i / 6 == channel ? 1.0F : 0.0F, alpha));
+            };
+            EXPECT_NEAR(picture->red[i], seen(0), 1e-4) << name << ' ' << i;
+            EXPECT_NEAR(picture->green[i], seen(1), 1e-4) << name << ' ' << i;
+            EXPECT_NEAR(picture->blue[i], seen(2), 1e-4) << name << ' ' << i;
+            EXPECT_NEAR(grey->luminance[i], 0.2126F * seen(0) + 0.7152F * seen(1) + 0.0722F * seen(2), 1e-4) << name;
+        }
+    }
+}
+
+TEST(ImageCodec, ShowsGreyPixelsOnAColouredGround) {
+    Reading reading(kMaxPixels);
+    reading.ground = {0, 0, 1};
+    const auto picture = decode_colour_image(fixture("grey-alpha.png"), reading);
+    ASSERT_TRUE(picture);
+    EXPECT_NEAR(picture->red[1], srgb_to_linear(0.2F), 1e-4) << "white with an alpha of 0.2";
+    EXPECT_EQ(picture->blue[1], 1);
 }
 
 TEST(ImageCodec, DecodesGreyFilesToEqualChannels) {
