@@ -18,6 +18,7 @@
 #include "api/image/colour_tags.h"
 #include "api/image/containers.h"
 #include "api/image/gif_reader.h"
+#include "api/image/heic_reader.h"
 #include "api/image/image_header.h"
 #include "api/image/ink_jpeg.h"
 #include "api/image/library_reader.h"
@@ -47,6 +48,7 @@ Result<RowSource> open(std::string_view bytes, const ImageHeader& header, bool k
     if (header.format == ImageFormat::Gif) return open_gif(bytes, header);
     if (header.format == ImageFormat::Bmp) return open_bmp(bytes);
     if (header.format == ImageFormat::Avif) return open_avif(bytes, header);
+    if (header.format == ImageFormat::Heic) return open_heic(bytes, header);
     if (header.format == ImageFormat::Tiff)
         return open_tiff(bytes, header, keep_inks ? TiffUse::Inks : TiffUse::Light, TiffDirectory(bytes).begin());
     if (keep_inks && header.is_ink_jpeg) return open_ink_jpeg(bytes);

@@ -121,7 +121,7 @@ Result<ParsedPointer> parse_halftone_request(std::string_view body, HalftoneBody
                                              const std::vector<TextOption>& options, std::string_view accept,
                                              const Limits& limits) {
     constexpr std::string_view kAccepted =
-        "pictures (PNG, JPEG, WebP, TIFF, GIF, BMP and AVIF), and JSON with the member image";
+        "pictures (PNG, JPEG, WebP, TIFF, GIF, BMP, AVIF and HEIC), and JSON with the member image";
     const auto input =
         kind == HalftoneBody::Json ? read_halftone_json(body, options, limits) : read_picture(body, options, limits);
     if (!input) return not_json(body, input.error(), kAccepted);

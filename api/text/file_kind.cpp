@@ -23,9 +23,7 @@ struct Kind {
 };
 
 constexpr auto kKinds = std::to_array<Kind>({
-    {4, "ftyphe"sv, "HEIC"},
-    {4, "ftypmif1"sv, "HEIF"},
-    {4, "ftypmsf1"sv, "HEIF"},
+    {0, "\x89PNG"sv, "a damaged PNG"},
     {4, "ftypcrx "sv, "a camera's raw file"},
     {4, "ftyp"sv, "a video"},
     {4, "JXL "sv, "JPEG XL"},

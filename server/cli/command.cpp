@@ -55,11 +55,12 @@ constexpr auto kAnalyzeExamples = std::to_array<std::string_view>({
 });
 
 const std::array kCommands = {
-    Command{"halftone", "turn pictures into dots, or into the pixels of a device", "PICTURE... [OPTION]...",
-            "A PICTURE is a PNG, JPEG, WebP, TIFF, GIF, BMP or AVIF file. Colour profiles and EXIF orientation are "
-            "applied.",
-            kHalftoneExamples, kHalftoneSchemas,
-            [] { return joined(api::files_of(api::halftone_formats()), api::files_of(api::device_formats())); }},
+    Command{
+        "halftone", "turn pictures into dots, or into the pixels of a device", "PICTURE... [OPTION]...",
+        "A PICTURE is a PNG, JPEG, WebP, TIFF, GIF, BMP, AVIF or HEIC file. Colour profiles and EXIF orientation are "
+        "applied.",
+        kHalftoneExamples, kHalftoneSchemas,
+        [] { return joined(api::files_of(api::halftone_formats()), api::files_of(api::device_formats())); }},
     Command{"sample", "spread points evenly in areas, on surfaces and in space", "[FILE...] [OPTION]...",
             "A FILE is a map: a GeoJSON or TopoJSON document, a zip archive with a shapefile of polygons, or the JSON "
             "of a request to the service; or a mesh: an STL, OBJ, PLY, OFF, GLB, or glTF file with embedded buffers; "

@@ -24,7 +24,10 @@ TEST(BodyKind, NamesTheKindOfAFile) {
         {"\x89PNG\r\n\x1a\n", "a picture (PNG)"},
         {"\xff\xd8\xff\xe0", "a picture (JPEG)"},
         {"RIFF....WEBPVP8 ", "a picture (WebP)"},
-        {"....ftypheic", "HEIC"},
+        {"\0\0\0\x0c"
+         "ftypheic"s,
+         "a picture (HEIC)"},
+        {"....ftypmp42", "a video"},
         {"solid cube\nfacet", "a mesh (STL)"},
         {"v 0 0 0\n", "a mesh (OBJ)"},
         {"SOLID cube\nFACET", "a mesh (STL)"},
