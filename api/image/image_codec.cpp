@@ -71,6 +71,8 @@ Result<AnyPicture> read_file(std::string_view bytes, const ImageHeader& header, 
         source->gamma = *tags.gamma;
     }
     if (source->space == RowSource::Space::Lab) conversion = convert_lab();
+    if (conversion && conversion->grey && source->channels < 3)
+        conversion = ColourConversion{ColourConversion::Space::Grey, {}, {conversion->grey}, {}, {}};
     if (conversion && !has_colours_of(*source, *conversion)) conversion.reset();
     if (conversion && conversion->transform) source = transform_rows(*std::move(source), conversion->transform);
     return read_picture<AnyPicture>(*source, conversion ? &*conversion : nullptr, reading, make_plane);

@@ -3,13 +3,15 @@
 
 import io
 import json
+import struct
 import unittest
+import zlib
 
 import numpy
 from PIL import Image, ImageCms
 
 import profiles
-from harness import ROOT, ServerCase, data_uri, file_of, post_json
+from harness import ROOT, ServerCase, data_uri, file_of, linear, post_json
 
 FIXTURES = ROOT / "tests" / "api" / "data"
 P3 = profiles.rgb_profile(profiles.DISPLAY_P3, profiles.srgb_to_linear)
@@ -160,6 +162,18 @@ class Formats(ServerCase):
                 self.assertEqual(answer.body, original)
                 self.assertEqual("x-warnings" in answer.headers, name == "film.heic")
         self.assert_problem(self.ask("/halftone", data=(FIXTURES / "track.heic").read_bytes()), 422, "image sequence")
+
+    def test_high_dynamic_range_is_compressed(self):
+        """White of 203 cd/m2 and the peak of 1,000 cd/m2, in PQ and HLG, are L* 77 and 100."""
+        def described(value, transfer):
+            file = saved(Image.new("RGB", (24, 24), (value,) * 3), "PNG")
+            chunk = b"cICP" + bytes((9, transfer, 0, 1))
+            start = file.index(b"IDAT") - 4
+            return file[:start] + struct.pack(">I", 4) + chunk + struct.pack(">I", zlib.crc32(chunk)) + file[start:]
+        for value, transfer, seen in ((148, 16, 192), (191, 18, 192), (191, 16, 254), (0, 16, 0), (255, 18, 255)):
+            with self.subTest(value=value, transfer=transfer):
+                answer = self.halftone(described(value, transfer), "?device=1bit")
+                self.assertAlmostEqual(answer.picture("L").mean() / 255, linear(seen), delta=0.02)
 
     def test_first_frame_of_an_animation_is_read(self):
         first, second = patch("L", 200), patch("L", 20)
