@@ -104,7 +104,7 @@ private:
 
 /// Reads a request for a halftone whose body is the file of a picture.
 HalftoneInput read_picture(std::string_view body, const std::vector<TextOption>& options, const Limits& limits) {
-    if (body.empty() || recognise_image(body)) return read_halftone(body, options, limits);
+    if (body.empty() || (recognise_image(body) && !is_stripped(body))) return read_halftone(body, options, limits);
     return read_halftone(
         failure(ErrorCode::Unsupported, "this is " + kind_of_body(body) + std::string(kPictureFormats)), options);
 }

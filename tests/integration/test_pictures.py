@@ -175,6 +175,13 @@ class Formats(ServerCase):
                 answer = self.halftone(described(value, transfer), "?device=1bit")
                 self.assertAlmostEqual(answer.picture("L").mean() / 255, linear(seen), delta=0.02)
 
+    def test_files_without_line_ends_get_a_hint(self):
+        for name in ("grey.jpg", "palette.png", "lossy.webp", "lzw.tif", "noise.gif", "rgb.bmp", "rgba.avif", "lossless.heic"):
+            with self.subTest(name=name):
+                file = (FIXTURES / name).read_bytes().translate(None, b"\0\r\n")  # as curl -d reads it
+                answer = self.ask("/halftone", "-H", "Content-Type: application/x-www-form-urlencoded", data=file)
+                self.assert_problem(answer, 415, "--data-binary")
+
     def test_first_frame_of_an_animation_is_read(self):
         first, second = patch("L", 200), patch("L", 20)
         expected = self.halftone(saved(first, "GIF"), QUERY).body

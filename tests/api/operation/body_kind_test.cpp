@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -15,6 +17,13 @@ using namespace std::string_literals;
 std::string padded(std::string bytes, std::size_t size) {
     bytes.resize(size, '\0');
     return bytes;
+}
+
+/// Returns a binary body without line ends and zeros.
+std::string stripped(std::string_view start) {
+    std::string body(40, '\x01');
+    std::ranges::copy(start, body.begin());
+    return body;
 }
 
 TEST(BodyKind, NamesTheKindOfAFile) {
@@ -36,6 +45,11 @@ TEST(BodyKind, NamesTheKindOfAFile) {
         {"\x1f\x8b\x08", "gzip"},
         {"SQLite format 3\0"s, "an SQLite database"},
         {padded("SQLite format 3", 68) + "GPKG", "a GeoPackage"},
+        {stripped("\x89PNG\x1a"),
+         "a damaged PNG without its line ends and zeros, which curl -d removes from a file (use "
+         "--data-binary)"},
+        {stripped("\xff\xd8\xff\xe0"),
+         "a picture (JPEG) without its line ends and zeros, which curl -d removes from a file (use --data-binary)"},
         {"fgb\x03"
          "fgb\0"s,
          "FlatGeobuf"},
