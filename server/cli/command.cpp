@@ -153,7 +153,7 @@ constexpr auto kGroups = std::to_array<GroupRow>({
     {"Placement", " method quality iterations passes tolerance crease order mesh seed "},
     {"Analysis", " max-frequency spectrum modes "},
     {"Format and size", " format multipoint width height scale fit antialias width-mm "},
-    {"Plotters", " style pen speed dwell pen-down pen-up "},
+    {"Plotters", " style pen speed dwell dwell-unit pen-down pen-up "},
     {"Devices", " device rotate spot bit-order invert-bits "},
     {"Pixels of a raster", " include calibration "},
     {"Files and messages", " output quiet json help "},

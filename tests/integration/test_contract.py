@@ -237,7 +237,7 @@ class Options(ContractCase):
              ("/halftone", "layers"): {"format": "svg", "color": "cmyk"},
              ("/sample", "style"): {"format": "svg"}, ("/sample", "multipoint"): {"format": "geojson"},
              **{(path, option): {"format": "gcode", "style": "spiral", "width_mm": 100}
-                for path in ("/halftone", "/sample") for option in ("speed", "dwell", "pen_down", "pen_up")},
+                for path in ("/halftone", "/sample") for option in ("speed", "dwell", "dwell_unit", "pen_down", "pen_up")},
              **{(path, "pen"): {"format": "svg", "style": "path", "width_mm": 100} for path in ("/halftone", "/sample")},
              ("/sample", "per"): {"domain": None, "geometry": map_of(20), "sites": "people"},
              ("/sample", "buffer"): {"domain": {"type": "rectangle", "width": 1, "height": 1}},
@@ -338,7 +338,7 @@ class Options(ContractCase):
     def test_have_the_documented_defaults(self):
         others = {"seed": 1, "per": 2, "iterations": 6, "passes": 6, "quality": "best", "dot": 0.5, "detail": 1, "levels": [0.2, 1], "fit": "cover", "layers": "kind",
                   "tone": "perceptual", "foreground": "#123456", "background": "#123456",
-                  "color": "cmyk", "style": "stroke", "pen": 1, "speed": 50, "dwell": 1, "pen_down": "M3", "pen_up": "M4", "method": "odt", "mesh": True, "coordinates": "lonlat",
+                  "color": "cmyk", "style": "stroke", "pen": 1, "speed": 50, "dwell": 1, "dwell_unit": "ms", "pen_down": "M3", "pen_up": "M4", "method": "odt", "mesh": True, "coordinates": "lonlat",
                   "max_frequency": 5, "spectrum": True, "multipoint": False, "buffer": 0.1, "format": "svg", "domain": {"type": "rectangle", "width": 2, "height": 1}}
         alike = {"on_deadline", "invalid"}  # these make no difference to a request that is valid and in time
         tried = set()

@@ -19,6 +19,7 @@ class PlotOptions(TypedDict, total=False):
     pen: Union[float, str]
     speed: float
     dwell: float
+    dwell_unit: str
     pen_down: str
     pen_up: str
 
