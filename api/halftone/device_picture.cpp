@@ -178,6 +178,13 @@ std::vector<std::uint8_t> exact_pixels(const LightPlanes& light, std::span<const
 }
 
 Result<void> check_size(const DeviceRequest& request, const FrameSize& frame, const Limits& limits) {
+    constexpr double kUnsized = 4e6;  // takes up to half a minute; devices have fewer pixels
+    if (!request.width && !request.height && pixels_of(frame) > kUnsized)
+        return failure(ErrorCode::LimitExceeded,
+                       "width is missing: without width and height, the answer would have the " +
+                           std::to_string(frame.width) + " x " + std::to_string(frame.height) +
+                           " pixels of the picture; the limit for this is 4000000",
+                       request.image_field.empty() ? "width" : pointer_below("", "width"));
     if (pixels_of(frame) <= static_cast<double>(limits.max_pixels)) return {};
     const std::string option = request.width || !request.height ? "width" : "height";
     return failure(ErrorCode::LimitExceeded,
