@@ -51,7 +51,7 @@ Result<bool> read_bit_order(const Input& input) {
     return read_choice<bool>(input, kOrders);
 }
 
-constexpr std::array<OptionRule<Draft>, 14> kRules = {{
+constexpr std::array<OptionRule<Draft>, 15> kRules = {{
     {"device", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.device, read_device(i)); }},
     {"palette", [](const Input& i, const Limits&, Draft& d) { return assign(d.palette, read_device_colours(i)); }},
     {"width", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.width, read_side(i)); }},
@@ -60,6 +60,7 @@ constexpr std::array<OptionRule<Draft>, 14> kRules = {{
     {"rotate", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.quarters, read_quarters(i)); }},
     {"background",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.background, read_colour(i)); }},
+    {"alpha", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.alpha, read_alpha(i)); }},
     {"levels", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.levels, read_levels(i)); }},
     {"spot", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.spot, read_number(i, kSpots)); }},
     {"width_mm", [](const Input& i, const Limits&, Draft& d) { return read_width_mm(i, d.drawing); }},
@@ -177,6 +178,13 @@ std::vector<std::uint8_t> exact_pixels(const LightPlanes& light, std::span<const
 }
 
 Result<void> check_size(const DeviceRequest& request, const FrameSize& frame, const Limits& limits) {
+    constexpr double kUnsized = 4e6;  // takes up to half a minute; devices have fewer pixels
+    if (!request.width && !request.height && pixels_of(frame) > kUnsized)
+        return failure(ErrorCode::LimitExceeded,
+                       "width is missing: without width and height, the answer would have the " +
+                           std::to_string(frame.width) + " x " + std::to_string(frame.height) +
+                           " pixels of the picture; the limit for this is 4000000",
+                       request.image_field.empty() ? "width" : pointer_below("", "width"));
     if (pixels_of(frame) <= static_cast<double>(limits.max_pixels)) return {};
     const std::string option = request.width || !request.height ? "width" : "height";
     return failure(ErrorCode::LimitExceeded,
@@ -220,7 +228,9 @@ Result<Answer> run_device(const DeviceRequest& request, const Limits& limits, co
                           const Control& control, Timings& timings) {
     Stopwatch watch;
     Executor& executor = *control.executor;
-    auto picture = decode.colour(request.image.bytes, Reading(limits.max_pixels), control.stop);
+    Reading reading(limits.max_pixels);
+    if (request.alpha == AlphaMixing::Display) reading.ground = light_of(request.background);
+    auto picture = decode.colour(request.image.bytes, reading, control.stop);
     if (!picture) return failure(picture.error().code, picture.error().message, request.image_field);
     Answer answer;
     answer.pixels = static_cast<std::size_t>(picture->width) * static_cast<std::size_t>(picture->height);

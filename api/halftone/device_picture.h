@@ -43,6 +43,7 @@ struct DeviceRequest {
     Fit fit = Fit::Contain;
     int quarters = 0;  ///< number of quarter turns clockwise, done before the picture is scaled
     Colour background = kWhite;
+    AlphaMixing alpha = AlphaMixing::Display;  ///< how partly transparent pixels show the background
     Levels levels;
     double spot = 0;  ///< diameter of printed spots in pixels; 0: pixels are squares
     PixelOptions pixels;

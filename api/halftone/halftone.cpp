@@ -60,7 +60,7 @@ struct Draft {
     std::optional<Colour> background;
 };
 
-constexpr std::array<OptionRule<Draft>, 31> kRules = {{
+constexpr std::array<OptionRule<Draft>, 33> kRules = {{
     {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.sites, read_sites(i, l)); }},
     {"minutes",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.minutes, read_number(i, kMinutes)); }},
@@ -78,6 +78,7 @@ constexpr std::array<OptionRule<Draft>, 31> kRules = {{
     {"dot", [](const Input& i, const Limits&, Draft& d) { return read_dot(i, d.request.dot); }},
     {"detail",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.detail, read_number(i, kDetails)); }},
+    {"alpha", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.alpha, read_alpha(i)); }},
     {"levels", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.levels, read_levels(i)); }},
     {"antialias", [](const Input& i, const Limits&, Draft& d) { return assign(d.antialias, read_boolean(i)); }},
     {"dots", [](const Input& i, const Limits&, Draft& d) { return assign(d.dots, read_choice<Dots>(i, kDots)); }},
@@ -94,6 +95,7 @@ constexpr std::array<OptionRule<Draft>, 31> kRules = {{
     {"pen", [](const Input& i, const Limits&, Draft& d) { return read_pen(i, d.request.drawing); }},
     {"speed", [](const Input& i, const Limits&, Draft& d) { return read_speed(i, d.request.drawing); }},
     {"dwell", [](const Input& i, const Limits&, Draft& d) { return read_dwell(i, d.request.drawing); }},
+    {"dwell_unit", [](const Input& i, const Limits&, Draft& d) { return read_dwell_unit(i, d.request.drawing); }},
     {"pen_down", [](const Input& i, const Limits&, Draft& d) { return read_pen_down(i, d.request.drawing); }},
     {"pen_up", [](const Input& i, const Limits&, Draft& d) { return read_pen_up(i, d.request.drawing); }},
     {"layers", [](const Input& i, const Limits&,

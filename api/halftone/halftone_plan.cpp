@@ -217,6 +217,12 @@ std::optional<SeparatedPicture> separate_colours(Decoded<ColourPicture> decoded,
     return separated;
 }
 
+/// Returns the ground that shows through transparent parts of the picture.
+Light ground_of(const HalftoneRequest& request) {
+    if (request.palette.mixing != Mixing::Cover) return ink_set(request.palette).paper;
+    return light_of(request.dots == Dots::Paper ? kBlack : kWhite);
+}
+
 /// Decodes a picture and separates it into inks. For an opaque ink, decodes luminance only, which takes a third of the
 /// memory of colours.
 /// @param reduce  side of the squares that decoding may replace with their mean
@@ -224,7 +230,8 @@ std::optional<SeparatedPicture> separate_colours(Decoded<ColourPicture> decoded,
 Result<std::optional<SeparatedPicture>> separate_picture(const HalftoneRequest& request, const Limits& limits,
                                                          const Decode& decode, const Control& control, int reduce) {
     const ImageFile& file = request.image;
-    const Reading reading(limits.max_pixels, reduce);
+    Reading reading(limits.max_pixels, reduce);
+    if (request.alpha == AlphaMixing::Display) reading.ground = ground_of(request);
     if (request.palette.mixing == Mixing::Cover) {
         auto picture = decode.grey(file.bytes, reading, control.stop);
         if (!picture) return about_image(picture.error(), request);

@@ -51,7 +51,8 @@ struct HalftoneRequest {
     bool on_screen = false;        ///< whether the drawing is for a screen; its size then determines the number of dots
     std::optional<DotRadius> dot;  ///< none: chosen by the server
     double detail = 0.7;           ///< strength of sharpening, 0 to 1, as in DotRequest; 0: no sharpening
-    Levels levels;                 ///< applied to the picture before all other steps
+    AlphaMixing alpha = AlphaMixing::Display;  ///< how partly transparent pixels show the paper
+    Levels levels;                             ///< applied to the picture before all other steps
     bool antialias = false;
     bool may_be_scaled = false;  ///< whether browsers are likely to scale the drawing; true if it is for a
                                  ///< screen and the request gives neither its size nor `antialias`

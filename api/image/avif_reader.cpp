@@ -16,15 +16,14 @@ namespace {
 
 using Decoder = std::unique_ptr<avifDecoder, decltype(&avifDecoderDestroy)>;
 
-/// Creates a decoder of the primary item, which `header` describes. The frames of an animation may have another size.
-Decoder make_decoder(std::string_view bytes, const ImageHeader& header) {
+/// Creates a decoder of the primary item. Other items, such as gain maps, and the frames of an animation may be larger.
+Decoder make_decoder(std::string_view bytes) {
     Decoder decoder(avifDecoderCreate(), avifDecoderDestroy);
     decoder->codecChoice = AVIF_CODEC_CHOICE_DAV1D;
     decoder->maxThreads = 1;
     decoder->ignoreExif = AVIF_TRUE;
     decoder->ignoreXMP = AVIF_TRUE;
-    decoder->imageSizeLimit =
-        static_cast<std::uint32_t>(std::min<std::uint64_t>(header.pixels(), AVIF_DEFAULT_IMAGE_SIZE_LIMIT));
+    decoder->imageSizeLimit = AVIF_DEFAULT_IMAGE_SIZE_LIMIT;
     decoder->imageDimensionLimit = kMaxAvifSide;
     // Many files lack the property pixi, and browsers show them.
     decoder->strictFlags = AVIF_STRICT_ENABLED & ~static_cast<avifStrictFlags>(AVIF_STRICT_PIXI_REQUIRED);
@@ -90,12 +89,15 @@ private:
 
 Result<RowSource> open_avif(std::string_view bytes, const ImageHeader& header) {
     constexpr int kRows = 16;
-    const Decoder decoder = make_decoder(bytes, header);
+    const Decoder decoder = make_decoder(bytes);
     if (avifDecoderParse(decoder.get()) != AVIF_RESULT_OK) return broken_image();
     const avifImage& image = *decoder->image;
     if (image.width != header.width || image.height != header.height) return broken_image();
     if ((image.transformFlags & AVIF_TRANSFORM_CLAP) != 0)
         return failure(ErrorCode::Unusable, "the server does not read this kind of image: an AVIF with a crop (clap)");
+    // The codec is opened below, with this limit.
+    decoder->imageSizeLimit =
+        static_cast<std::uint32_t>(std::min<std::uint64_t>(header.pixels(), decoder->imageSizeLimit));
     if (avifDecoderNextImage(decoder.get()) != AVIF_RESULT_OK) return broken_image();
     if (image.width != header.width || image.height != header.height) return broken_image();
     const auto pixels = std::make_shared<Pixels>();

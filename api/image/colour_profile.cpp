@@ -159,7 +159,7 @@ std::optional<ColourConversion> read_grey_profile(const Context& context, const 
         cmsDoTransform(transform.get(), &share, xyz.data(), 1);
         return clamp_light(xyz[1]);
     };
-    return simplify({Space::Grey, {}, {curve}, {}});
+    return simplify({Space::Grey, {}, {curve}, {}, {}});
 }
 
 /// Reads a profile with tables. The tables convert to BT.2020, which contains almost all printed and displayed colours,
@@ -179,7 +179,7 @@ std::optional<ColourConversion> read_table_profile(const Context& context, const
     const auto convert = [transform](const std::uint16_t* from, std::uint16_t* to, std::size_t pixels) {
         cmsDoTransform(transform.get(), from, to, static_cast<cmsUInt32Number>(pixels));
     };
-    return ColourConversion{space, convert, {srgb_light, srgb_light, srgb_light}, matrix};
+    return ColourConversion{space, convert, {srgb_light, srgb_light, srgb_light}, matrix, {}};
 }
 
 std::optional<ColourConversion> read_profile(const Context& context, const Handle& profile) {
@@ -199,8 +199,7 @@ std::optional<ColourConversion> read_profile(const Context& context, const Handl
     }
 }
 
-/// Creates the profile that code points describe. Returns null for unsupported code points, such as those with high
-/// dynamic range.
+/// Creates the profile that code points describe. Returns null for unsupported code points.
 Handle make_profile(const Context& context, const ColourTags::CodePoints& code) {
     const auto curve = [&]() -> Curve {
         switch (code.transfer) {
@@ -230,12 +229,93 @@ Handle make_profile(const Context& context, const ColourTags::CodePoints& code) 
     }
 }
 
+/// Light of high dynamic range, relative to a diffuse white of 203 cd/m2.
+class WideRange {
+public:
+    enum class Curve { Pq = 16, Hlg = 18 };  ///< code numbers of ITU-T H.273
+
+    explicit WideRange(Curve curve) : curve_(curve), light_(std::size_t{kFull} + 1) {
+        for (std::size_t i = 0; i < light_.size(); ++i)
+            light_[i] = light_of(static_cast<float>(i) / static_cast<float>(kFull));
+    }
+
+    /// Returns the compressed light of a grey sample.
+    float operator()(float share) const {
+        const float light = light_of(share);
+        return std::min(light * factor(light, light), 1.0F);
+    }
+
+    /// Converts red, green and blue to square roots of compressed light.
+    void operator()(const std::uint16_t* from, std::uint16_t* to, std::size_t pixels) const {
+        for (std::size_t i = 0; i < pixels; ++i, from += 3, to += 3) {
+            const float red = light_[from[0]], green = light_[from[1]], blue = light_[from[2]];
+            const float times = factor(std::max({red, green, blue}), 0.2627F * red + 0.6780F * green + 0.0593F * blue);
+            const std::array<float, 3> light = {red * times, green * times, blue * times};
+            std::ranges::transform(light, to, [](float value) {
+                return static_cast<std::uint16_t>(std::lround(std::sqrt(std::min(value, 1.0F)) * kFull));
+            });
+        }
+    }
+
+private:
+    static constexpr std::uint16_t kFull = 0xFFFF;
+    static constexpr float kWhite = 203, kPeak = 1000 / kWhite;
+
+    /// Returns the light of a PQ sample, or the scene light of a HLG sample.
+    float light_of(float share) const {
+        if (curve_ == Curve::Pq) {
+            const float root = std::pow(share, 1 / 78.84375F);
+            return std::pow(std::max(root - 0.8359375F, 0.0F) / (18.8515625F - 18.6875F * root), 1 / 0.1593017578125F) *
+                   10'000 / kWhite;
+        }
+        return share <= 0.5F ? share * share / 3 : (std::exp((share - 0.55991073F) / 0.17883277F) + 0.28466892F) / 12;
+    }
+
+    /// Returns the factor on a colour.
+    /// @param most       largest of red, green and blue
+    /// @param luminance  of the scene, for HLG
+    float factor(float most, float luminance) const {
+        constexpr float kGamma = 1.2F;
+        const float display = curve_ == Curve::Pq ? 1 : luminance > 0 ? kPeak * std::pow(luminance, kGamma - 1) : 0;
+        const float seen = most * display;
+        return display * (1 + seen / (kPeak * kPeak)) / (1 + seen);
+    }
+
+    Curve curve_;
+    std::vector<float> light_;  ///< [kFull + 1] light of each sample
+};
+
+/// Creates the conversion of a file with high dynamic range.
+ColourConversion read_wide_range(WideRange::Curve curve, std::optional<LightMatrix> matrix) {
+    const auto range = std::make_shared<const WideRange>(curve);
+    const ToneCurve square = [](float root) { return root * root; };
+    return {Space::Rgb,
+            [range](const std::uint16_t* from, std::uint16_t* to, std::size_t pixels) { (*range)(from, to, pixels); },
+            {square, square, square},
+            matrix,
+            [range](float share) { return (*range)(share); }};
+}
+
+/// Creates the conversion that code points describe; none for unsupported code points, and for sRGB.
+/// @param found  receives whether the code points are supported
+std::optional<ColourConversion> read_code_points(const Context& context, const ColourTags::CodePoints& code,
+                                                 bool& found) {
+    const bool is_wide = code.transfer == 16 || code.transfer == 18;
+    const Handle profile = make_profile(context, is_wide ? ColourTags::CodePoints{code.primaries, 13} : code);
+    found = profile != nullptr;
+    if (!found) return std::nullopt;
+    if (is_wide) return read_wide_range(WideRange::Curve{code.transfer}, light_matrix(context, profile.get()));
+    auto conversion = read_matrix_profile(context, profile);
+    if (conversion && !is_srgb(conversion->curves.front())) conversion->grey = conversion->curves.front();
+    return conversion;
+}
+
 /// Creates the conversion for a file that gives primaries but no profile. The curve remains that of the file format.
 std::optional<ColourConversion> read_primaries(const Context& context, const std::array<double, 8>& xy) {
     const cmsCIExyYTRIPLE primaries{{xy[2], xy[3], 1}, {xy[4], xy[5], 1}, {xy[6], xy[7], 1}};
     const Handle profile = make_rgb(context, {xy[0], xy[1], 1}, primaries, make_srgb_curve(context));
     if (!profile) return std::nullopt;
-    return simplify({Space::Rgb, {}, {}, light_matrix(context, profile.get())});
+    return simplify({Space::Rgb, {}, {}, light_matrix(context, profile.get()), {}});
 }
 
 }  // namespace
@@ -245,8 +325,9 @@ std::optional<ColourConversion> convert_colours(const ColourTags& tags) {
     const Context context = make_context();
     if (!context) return std::nullopt;
     if (tags.code_points) {
-        if (const Handle profile = make_profile(context, *tags.code_points))
-            return read_matrix_profile(context, profile);
+        bool found = false;
+        auto conversion = read_code_points(context, *tags.code_points, found);
+        if (found) return conversion;
     }
     if (!tags.profile.empty()) {
         const auto size = static_cast<cmsUInt32Number>(tags.profile.size());

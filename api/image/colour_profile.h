@@ -27,11 +27,17 @@ struct ColourConversion {
     /// One curve for grey, or three for red, green and blue. None: the curve of the file format.
     std::vector<ToneCurve> curves;
     std::optional<LightMatrix> matrix;  ///< none: the primaries are those of sRGB
+    ToneCurve grey = {};                ///< for pictures without colours; none: the conversion does not apply to them
 };
 
 /// Derives the conversion from the colour tags of a file. A profile is used if it is complete, if it describes a
 /// scanner, display, printer or colour space, and if its samples are grey, RGB or CMYK. Colours are relative to the
 /// white point of the profile. If the profile has conversion tables, they are used with black point compensation.
+///
+/// High dynamic range (PQ and HLG) is compressed as in Chromium. The largest of red, green and blue, relative to a
+/// diffuse white of 203 cd/m2, is x; the three are multiplied by (1 + x / p^2) / (1 + x), where p is 1,000 cd/m2
+/// relative to white. Light above p becomes white. The display of HLG has a peak of 1,000 cd/m2 and a gamma of 1.2.
+/// Sources: ITU-R BT.2100, BT.2408; Reinhard et al. 2002, equation 4.
 ///
 /// @returns  none if there is nothing to convert: there are no usable tags, or the tags describe sRGB, except for
 ///           rounding

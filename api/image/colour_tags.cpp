@@ -7,8 +7,8 @@
 #include <cmath>
 #include <vector>
 
-#include "api/image/avif_properties.h"
 #include "api/image/containers.h"
+#include "api/image/heif_properties.h"
 
 namespace ccdt::api {
 namespace {
@@ -111,20 +111,20 @@ std::string_view read_webp(std::string_view bytes) {
     return {};
 }
 
-bool is_avif_profile(const Chunk& property) {
+bool is_heif_profile(const Chunk& property) {
     return property.name == "colr" && (property.data.starts_with("prof") || property.data.starts_with("rICC"));
 }
 
-/// Reads the tags of an AVIF. Omits the code points if there is a profile, because in AVIF the profile takes
+/// Reads the tags of an AVIF or HEIC. Omits the code points if there is a profile, because there the profile takes
 /// precedence.
-ColourTags read_avif(std::string_view bytes) {
+ColourTags read_heif(std::string_view bytes) {
     constexpr std::size_t kType = 4;
     ColourTags tags;
-    for (const Chunk& property : avif_properties(bytes)) {
+    for (const Chunk& property : heif_properties(bytes)) {
         const ByteReader reader(property.data, true);
         const auto primaries = reader.read(kType, 2).value_or(256);
         const auto transfer = reader.read(kType + 2, 2).value_or(256);
-        if (is_avif_profile(property)) {
+        if (is_heif_profile(property)) {
             tags.profile = property.data.substr(kType);
         } else if (property.name == "colr" && property.data.starts_with("nclx") && primaries < 256 && transfer < 256) {
             tags.code_points = {static_cast<std::uint8_t>(primaries), static_cast<std::uint8_t>(transfer)};
@@ -169,7 +169,8 @@ ColourTags read_colour_tags(std::string_view bytes, ImageFormat format) {
             tags.profile = TiffDirectory(bytes).data(kTiffTag).value_or(std::string_view());
             break;
         case ImageFormat::Avif:
-            tags = read_avif(bytes);
+        case ImageFormat::Heic:
+            tags = read_heif(bytes);
             break;
         case ImageFormat::Gif:
         case ImageFormat::Bmp:
@@ -195,7 +196,8 @@ bool may_have_profile(std::string_view bytes, ImageFormat format) {
         case ImageFormat::Tiff:
             return TiffDirectory(bytes).has(kTiffTag);
         case ImageFormat::Avif:
-            return std::ranges::any_of(avif_properties(bytes), is_avif_profile);
+        case ImageFormat::Heic:
+            return std::ranges::any_of(heif_properties(bytes), is_heif_profile);
         case ImageFormat::Gif:
         case ImageFormat::Bmp:
             break;
@@ -215,6 +217,7 @@ std::string hide_profile(std::string_view bytes, ImageFormat format) {
         case ImageFormat::Gif:
         case ImageFormat::Bmp:
         case ImageFormat::Avif:
+        case ImageFormat::Heic:
             break;
     }
     return {};

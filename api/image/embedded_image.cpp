@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "api/image/embedded_image.h"
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <utility>
@@ -12,18 +14,28 @@ namespace ccdt::api {
 namespace {
 
 constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-constexpr std::uint8_t kNoDigit = 64;
+constexpr std::string_view kBlanks = " \t\r\n";
+constexpr std::uint8_t kNoDigit = 64, kBlank = 65;
 
 constexpr auto kDigits = [] {
     std::array<std::uint8_t, 256> digits{};
     digits.fill(kNoDigit);
     for (std::uint8_t i = 0; i < 64; ++i) digits[static_cast<unsigned char>(kAlphabet[i])] = i;
+    for (const char blank : kBlanks) digits[static_cast<unsigned char>(blank)] = kBlank;
     return digits;
 }();
 
+std::string_view without_blanks_at_the_end(std::string_view text) {
+    return text.substr(0, text.find_last_not_of(kBlanks) + 1);
+}
+
+/// Removes the padding, if the text has a whole number of groups of four digits. Blanks do not count.
 std::string_view without_padding(std::string_view text) {
-    if (text.size() % 4 != 0) return text;
-    for (int i = 0; i < 2 && text.ends_with('='); ++i) text.remove_suffix(1);
+    const auto blanks = std::ranges::count_if(text, [](char c) { return kBlanks.find(c) != std::string_view::npos; });
+    if ((text.size() - static_cast<std::size_t>(blanks)) % 4 != 0) return text;
+    text = without_blanks_at_the_end(text);
+    for (int i = 0; i < 2 && text.ends_with('='); ++i)
+        text = without_blanks_at_the_end(text.substr(0, text.size() - 1));
     return text;
 }
 
@@ -35,13 +47,13 @@ tl::unexpected<Error> not_base64(const std::string& why) {
 
 Result<std::string> decode_base64(std::string_view text) {
     text = without_padding(text);
-    if (text.size() % 4 == 1) return not_base64("its length is impossible");
     std::string bytes;
     bytes.reserve(text.size() / 4 * 3 + 2);
     std::uint32_t bits = 0;
     int count = 0;  // number of the lowest bits of `bits` that are not output yet
     for (std::size_t i = 0; i < text.size(); ++i) {
         const std::uint8_t digit = kDigits[static_cast<unsigned char>(text[i])];
+        if (digit == kBlank) continue;
         if (digit == kNoDigit) return not_base64("character " + std::to_string(i + 1) + " is not a base64 digit");
         bits = (bits << 6 | digit) & 0xFFFF;
         count += 6;
@@ -50,6 +62,7 @@ Result<std::string> decode_base64(std::string_view text) {
             bytes += static_cast<char>(bits >> count & 0xFF);
         }
     }
+    if (count == 6) return not_base64("its length is impossible");
     if ((bits & ((1U << count) - 1)) != 0) return not_base64("its last digit has unused bits that are not 0");
     return bytes;
 }

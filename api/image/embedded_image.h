@@ -11,8 +11,8 @@
 
 namespace ccdt::api {
 
-/// Decodes base64 (RFC 4648, section 4): the standard alphabet, without line breaks. The padding may be missing, but
-/// must be valid if present.
+/// Decodes base64 (RFC 4648, section 4): the standard alphabet. Blanks and line breaks are ignored. The padding may be
+/// missing, but must be valid if present.
 /// Errors: Malformed; the message gives the position of an invalid character.
 Result<std::string> decode_base64(std::string_view text);
 

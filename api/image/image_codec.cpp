@@ -18,6 +18,7 @@
 #include "api/image/colour_tags.h"
 #include "api/image/containers.h"
 #include "api/image/gif_reader.h"
+#include "api/image/heic_reader.h"
 #include "api/image/image_header.h"
 #include "api/image/ink_jpeg.h"
 #include "api/image/library_reader.h"
@@ -47,6 +48,7 @@ Result<RowSource> open(std::string_view bytes, const ImageHeader& header, bool k
     if (header.format == ImageFormat::Gif) return open_gif(bytes, header);
     if (header.format == ImageFormat::Bmp) return open_bmp(bytes);
     if (header.format == ImageFormat::Avif) return open_avif(bytes, header);
+    if (header.format == ImageFormat::Heic) return open_heic(bytes, header);
     if (header.format == ImageFormat::Tiff)
         return open_tiff(bytes, header, keep_inks ? TiffUse::Inks : TiffUse::Light, TiffDirectory(bytes).begin());
     if (keep_inks && header.is_ink_jpeg) return open_ink_jpeg(bytes);
@@ -54,7 +56,7 @@ Result<RowSource> open(std::string_view bytes, const ImageHeader& header, bool k
 }
 
 template <class AnyPicture>
-Result<AnyPicture> read_file(std::string_view bytes, const ImageHeader& header, int reduce,
+Result<AnyPicture> read_file(std::string_view bytes, const ImageHeader& header, const Reading& reading,
                              const NewPlane& make_plane) {
     const ColourTags tags = read_colour_tags(bytes, header.format);
     auto conversion = convert_colours(tags);
@@ -69,9 +71,11 @@ Result<AnyPicture> read_file(std::string_view bytes, const ImageHeader& header, 
         source->gamma = *tags.gamma;
     }
     if (source->space == RowSource::Space::Lab) conversion = convert_lab();
+    if (conversion && conversion->grey && source->channels < 3)
+        conversion = ColourConversion{ColourConversion::Space::Grey, {}, {conversion->grey}, {}, {}};
     if (conversion && !has_colours_of(*source, *conversion)) conversion.reset();
     if (conversion && conversion->transform) source = transform_rows(*std::move(source), conversion->transform);
-    return read_picture<AnyPicture>(*source, conversion ? &*conversion : nullptr, reduce, make_plane);
+    return read_picture<AnyPicture>(*source, conversion ? &*conversion : nullptr, reading, make_plane);
 }
 
 /// Reads the rows of a page without conversion of the samples.
@@ -135,7 +139,7 @@ Result<AnyPicture> decode(std::string_view bytes, const Reading& reading, const 
         if constexpr (std::is_same_v<AnyPicture, Picture>) {
             if (reading.is_stack) return read_stack(bytes, *header, reading.max_pixels, make_plane);
         }
-        return read_file<AnyPicture>(bytes, *header, reading.reduce, make_plane);
+        return read_file<AnyPicture>(bytes, *header, reading, make_plane);
     } catch (...) {
         return broken_image();
     }

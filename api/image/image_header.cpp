@@ -5,11 +5,12 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
-#include "api/image/avif_properties.h"
 #include "api/image/broken_image.h"
 #include "api/image/colour_tags.h"
 #include "api/image/containers.h"
+#include "api/image/heif_properties.h"
 #include "api/text/file_kind.h"
 
 namespace ccdt::api {
@@ -259,7 +260,7 @@ Result<ImageHeader> read_avif(std::string_view bytes) {
     constexpr uint64_t kBorder = 160;  // pixels by which a side may be rounded up, with a margin
     ImageHeader header{ImageFormat::Avif, 0, 0, 0};
     uint64_t sample = 2;
-    for (const Chunk& property : avif_properties(bytes)) {
+    for (const Chunk& property : heif_properties(bytes)) {
         const ByteReader reader(property.data, true);
         if (property.name == "ispe") {
             header.width = reader.read(4, 4).value_or(0);
@@ -269,6 +270,46 @@ Result<ImageHeader> read_avif(std::string_view bytes) {
     }
     if (header.width > kMaxAvifSide || header.height > kMaxAvifSide) return broken_image();
     header.decoder_bytes = (header.width + kBorder) * (header.height + kBorder) * (kSamples * sample + kTables);
+    return header;
+}
+
+/// Returns an integer, rounded down, from a property of two numbers: a numerator and a denominator.
+/// @param most  returned if the number is larger or not a number
+uint64_t whole_part(const ByteReader& reader, std::size_t at, uint64_t most) {
+    const auto numerator = reader.read(at, 4).value_or(0), denominator = reader.read(at + 4, 4).value_or(0);
+    return denominator == 0 ? most : std::min<uint64_t>(numerator / denominator, most);
+}
+
+/// Reads the header of a HEIF other than an AVIF. The size is that after the crop.
+Result<ImageHeader> read_heic(std::string_view bytes) {
+    constexpr uint64_t kSamples = 16;           // per pixel; at most 14 were measured
+    constexpr uint64_t kMaxCropped = 4;         // the limit of pixels is for the crop, but the whole is decoded
+    constexpr uint64_t kTileBytes = 32U << 20;  // for the decoder, which keeps several pictures of the size of a tile
+    const std::vector<std::string_view> types = heif_item_types(bytes);
+    if (std::ranges::find(types, "hvc1") == types.end() && !(types.empty() && heif_frames(bytes) == 0)) {
+        const std::string kind = types.empty() ? "an image sequence without a still picture"
+                                               : "a picture that is not coded in HEVC (" + std::string(types[0]) + ')';
+        return failure(ErrorCode::Unusable, "the server does not read this kind of image: a HEIF with " + kind);
+    }
+    ImageHeader header{ImageFormat::Heic, 0, 0, 0};
+    uint64_t sample = 2, whole = 0;
+    for (const Chunk& property : heif_properties(bytes)) {
+        const ByteReader reader(property.data, true);
+        if (property.name == "ispe") {
+            header.width = reader.read(4, 4).value_or(0);
+            header.height = reader.read(8, 4).value_or(0);
+            whole = header.pixels();
+        }
+        if (property.name == "clap") {
+            header.width = whole_part(reader, 0, header.width);
+            header.height = whole_part(reader, 8, header.height);
+        }
+        if (property.name == "pixi" && has_bytes(property)) sample = 1;
+    }
+    if (header.width > kMaxHeicSide || header.height > kMaxHeicSide) return broken_image();
+    if (whole > kMaxCropped * header.pixels() + kMaxTilePixels)
+        return failure(ErrorCode::Unusable, "the image is a HEIC that shows less than a quarter of its pixels (clap)");
+    header.decoder_bytes = whole * kSamples * sample + kTileBytes;
     return header;
 }
 
@@ -320,7 +361,8 @@ uint64_t count_frames(std::string_view bytes, ImageFormat format) {
         case ImageFormat::Gif:
             return gif_frames(bytes);
         case ImageFormat::Avif:
-            return avif_frames(bytes);
+        case ImageFormat::Heic:
+            return heif_frames(bytes);
         case ImageFormat::Jpeg:
         case ImageFormat::Bmp:
             break;
@@ -344,6 +386,8 @@ Result<ImageHeader> read(std::string_view bytes, ImageFormat format) {
             return read_bmp(bytes);
         case ImageFormat::Avif:
             return read_avif(bytes);
+        case ImageFormat::Heic:
+            return read_heic(bytes);
     }
     return broken_image();
 }
@@ -388,6 +432,7 @@ Result<ImageFormat> recognise_image(std::string_view bytes) {
     if (bytes.starts_with("GIF87a"sv) || bytes.starts_with("GIF89a"sv)) return ImageFormat::Gif;
     if (is_bmp(bytes)) return ImageFormat::Bmp;
     if (is_avif(bytes)) return ImageFormat::Avif;
+    if (is_heic(bytes)) return ImageFormat::Heic;
     const std::string_view kind = kind_of_file(bytes);
     return failure(ErrorCode::Unsupported, "this is " +
                                                std::string(kind.empty() ? "not an image the server can read" : kind) +
@@ -413,7 +458,8 @@ Result<ImageHeader> read_image_header(std::string_view bytes, std::size_t max_pi
 
 std::string describe_frame(const ImageHeader& header) {
     if (header.frames == 1) return {};
-    const bool stands_apart = header.format == ImageFormat::Png || header.format == ImageFormat::Avif;
+    const bool stands_apart =
+        header.format == ImageFormat::Png || header.format == ImageFormat::Avif || header.format == ImageFormat::Heic;
     return "the file has " + std::to_string(header.frames) +
            (header.format == ImageFormat::Tiff ? " pages" : " frames") + ": " +
            (stands_apart ? "the main picture" : "the first") + " is used";

@@ -44,19 +44,22 @@ inline constexpr std::uint64_t kMaxTilePixels = std::uint64_t{1} << 20;
 /// Longest side of an AVIF that its codec allows.
 inline constexpr std::uint64_t kMaxAvifSide = 65'536;
 
+/// Longest side of a HEIC that libheif allows.
+inline constexpr std::uint64_t kMaxHeicSide = 32'768;
+
 /// End of messages about files that are not pictures.
 inline constexpr std::string_view kPictureFormats =
-    "; the supported formats are PNG, JPEG, WebP, TIFF, GIF, BMP and AVIF";
+    "; the supported formats are PNG, JPEG, WebP, TIFF, GIF, BMP, AVIF and HEIC";
 
-/// Recognises the format of an image file by its first bytes: PNG, JPEG, WebP, TIFF, GIF, BMP or AVIF.
+/// Recognises the format of an image file by its first bytes: PNG, JPEG, WebP, TIFF, GIF, BMP, AVIF or HEIC.
 /// Errors: Malformed if there are no bytes; Unsupported for any other format. The message names the format, if it is
 /// known, and the supported formats.
 Result<ImageFormat> recognise_image(std::string_view bytes);
 
 /// Reads the header of the first picture in a file.
 ///
-/// Errors: the errors of recognise_image(); Unusable for a broken or truncated header, and for a JPEG with more
-/// than 100 scans; LimitExceeded for more than max_pixels pixels.
+/// Errors: the errors of recognise_image(); Unusable for a broken or truncated header, for a JPEG with more than 100
+/// scans, and for a HEIF without a still picture in HEVC; LimitExceeded for more than max_pixels pixels.
 /// Sources: PNG (ISO/IEC 15948), 5 and 11.2.2; JPEG (ITU-T T.81), B.1 and B.2.2; WebP (RFC 9649), 2; TIFF 6.0, 2;
 /// GIF89a, 18; Microsoft's BITMAPINFOHEADER; HEIF (ISO/IEC 23008-12), 6.5.3 and 6.5.6.
 Result<ImageHeader> read_image_header(std::string_view bytes, std::size_t max_pixels);

@@ -27,7 +27,8 @@ const char* plugin_name(ImageFormat format) {
         case ImageFormat::Gif:
         case ImageFormat::Bmp:
         case ImageFormat::Avif:
-            break;  // these formats have their own readers; OpenImageIO's AVIF reader starts threads
+        case ImageFormat::Heic:
+            break;  // these formats have their own readers; OpenImageIO's reader of AVIF and HEIC starts threads
     }
     return "";
 }

@@ -55,6 +55,8 @@ struct Encoding {
     float gamma = 1;                    ///< exponent of Curve::Gamma
     std::vector<ToneCurve> curves;      ///< one for grey or three for colours; used instead of `curve` if not empty
     std::optional<LightMatrix> matrix;  ///< applied to linear light; none: the primaries are those of sRGB
+    /// sRGB values of the ground, red, green and blue; none: there is no alpha, or it is kept.
+    std::optional<std::array<float, 3>> ground;
 
     float to_linear(float value, std::size_t channel) const {
         if (!curves.empty()) return curves[channel](value);
@@ -166,6 +168,7 @@ public:
     }
 
     void set_alpha(std::ptrdiff_t pixel, float alpha) const { alpha_[pixel] = alpha; }
+    float alpha_of(std::ptrdiff_t pixel) const { return alpha_[pixel]; }
 
     /// Sets a row of pixels to the means of the squares in `squares`, a draft that is one square high.
     /// @tparam kSide  side of the squares
@@ -242,6 +245,44 @@ public:
     ColourPicture picture() const { return {width(), height(), light(0), light(1), light(2), alpha()}; }
 };
 
+/// Stores pixels in a draft as they look on a ground. The alpha of a pixel must be set before its colour.
+template <class AnyDraft>
+class DraftOnGround {
+public:
+    /// @param ground  sRGB values, red, green and blue
+    DraftOnGround(const AnyDraft& draft, const std::array<float, 3>& ground)
+        : draft_(draft), ground_(ground), is_grey_(ground[0] == ground[1] && ground[1] == ground[2]) {}
+
+    void set_alpha(std::ptrdiff_t pixel, float alpha) const { draft_.set_alpha(pixel, alpha); }
+
+    void set_grey(std::ptrdiff_t pixel, float grey) const {
+        if (!is_grey_) return set_colour(pixel, grey, grey, grey);
+        draft_.set_grey(pixel, seen(pixel, 0, grey));
+        make_opaque(pixel);
+    }
+
+    void set_colour(std::ptrdiff_t pixel, float red, float green, float blue) const {
+        draft_.set_colour(pixel, seen(pixel, 0, red), seen(pixel, 1, green), seen(pixel, 2, blue));
+        make_opaque(pixel);
+    }
+
+    void set_colour(std::ptrdiff_t pixel, float red, float green, float blue, const ForeignLight& primaries) const {
+        const auto light = primaries.convert(red, green, blue);
+        set_colour(pixel, light[0], light[1], light[2]);
+    }
+
+private:
+    float seen(std::ptrdiff_t pixel, std::size_t channel, float light) const {
+        return displayed_light(light, ground_[channel], draft_.alpha_of(pixel));
+    }
+
+    void make_opaque(std::ptrdiff_t pixel) const { draft_.set_alpha(pixel, draft_.alpha_of(pixel) > 0 ? 1 : 0); }
+
+    const AnyDraft& draft_;
+    const std::array<float, 3>& ground_;
+    bool is_grey_;
+};
+
 template <class AnyDraft>
 using PictureOf = decltype(std::declval<AnyDraft>().picture());
 
@@ -282,9 +323,21 @@ void store_row(const Sample* row, std::ptrdiff_t count, const SampleReader<Sampl
 
 /// Returns the interpretation of a source's samples.
 /// @param conversion  gives the curves and the matrix; null: none
-Encoding encoding_of(const RowSource& source, const ColourConversion* conversion) {
-    Encoding encoding{source.channels, source.channels >= 3, source.alpha, source.premultiplied,
-                      source.curve,    source.gamma,         {},           {}};
+/// @param ground      as Reading::ground
+Encoding encoding_of(const RowSource& source, const ColourConversion* conversion, const std::optional<Light>& ground) {
+    Encoding encoding{source.channels,
+                      source.channels >= 3,
+                      source.alpha,
+                      source.premultiplied,
+                      source.curve,
+                      source.gamma,
+                      {},
+                      {},
+                      {}};
+    if (ground && source.alpha >= 0) {
+        const auto value = [](float light) { return static_cast<float>(srgb_of_light(static_cast<double>(light))); };
+        encoding.ground = {value(ground->red), value(ground->green), value(ground->blue)};
+    }
     if (conversion != nullptr) {
         encoding.curves = conversion->curves;
         encoding.matrix = conversion->matrix;
@@ -302,13 +355,17 @@ Result<PictureOf<AnyDraft>> read_pixels(const RowSource& source, const Encoding&
     std::vector<Sample> rows(static_cast<std::size_t>(step) * row_size);
 
     const AnyDraft draft(placement.size, encoding.alpha >= 0, make_plane);
+    const auto store = [&](int y, const Sample* row) {
+        if (encoding.ground) {
+            store_row(row, source.width, reader, encoding, placement, y, DraftOnGround(draft, *encoding.ground));
+        } else {
+            store_row(row, source.width, reader, encoding, placement, y, draft);
+        }
+    };
     for (int begin = 0; begin < source.height; begin += std::min(step, source.height - begin)) {
         const int end = begin + std::min(step, source.height - begin);
         if (!source.read(begin, end, rows.data())) return broken_image();
-        for (int y = begin; y < end; ++y) {
-            store_row(rows.data() + static_cast<std::size_t>(y - begin) * row_size, source.width, reader, encoding,
-                      placement, y, draft);
-        }
+        for (int y = begin; y < end; ++y) store(y, rows.data() + static_cast<std::size_t>(y - begin) * row_size);
     }
     return draft.picture();
 }
@@ -364,22 +421,22 @@ std::shared_ptr<float[]> new_plane(std::size_t size) {
 }
 
 template <class AnyPicture>
-Result<AnyPicture> read_picture(const RowSource& source, const ColourConversion* conversion, int reduce,
+Result<AnyPicture> read_picture(const RowSource& source, const ColourConversion* conversion, const Reading& reading,
                                 const NewPlane& make_plane) {
     using AnyDraft = DraftOf<AnyPicture>;
-    const Encoding encoding = encoding_of(source, conversion);
+    const Encoding encoding = encoding_of(source, conversion, reading.ground);
     switch (source.sample) {
         case RowSource::Sample::Byte:
-            return read_samples<AnyDraft, std::uint8_t>(source, encoding, reduce, make_plane);
+            return read_samples<AnyDraft, std::uint8_t>(source, encoding, reading.reduce, make_plane);
         case RowSource::Sample::Word:
-            return read_samples<AnyDraft, std::uint16_t>(source, encoding, reduce, make_plane);
+            return read_samples<AnyDraft, std::uint16_t>(source, encoding, reading.reduce, make_plane);
         case RowSource::Sample::Float:
             break;
     }
-    return read_samples<AnyDraft, float>(source, encoding, reduce, make_plane);
+    return read_samples<AnyDraft, float>(source, encoding, reading.reduce, make_plane);
 }
 
-template Result<Picture> read_picture(const RowSource&, const ColourConversion*, int, const NewPlane&);
-template Result<ColourPicture> read_picture(const RowSource&, const ColourConversion*, int, const NewPlane&);
+template Result<Picture> read_picture(const RowSource&, const ColourConversion*, const Reading&, const NewPlane&);
+template Result<ColourPicture> read_picture(const RowSource&, const ColourConversion*, const Reading&, const NewPlane&);
 
 }  // namespace ccdt::api

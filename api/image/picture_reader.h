@@ -4,9 +4,11 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "api/image/colour_profile.h"
 #include "api/image/row_source.h"
+#include "core/halftone/overprint.h"
 #include "core/halftone/picture.h"
 #include "core/result.h"
 
@@ -30,6 +32,9 @@ struct Reading {
     /// Whether the file is a TIFF whose pages are the layers of a stack, which are then read one below the other.
     /// Samples of these pages are not converted to light.
     bool is_stack = false;
+    /// Ground on which partly transparent pixels are shown by displayed_light(); they become opaque. Pixels with an
+    /// alpha of 0 stay transparent. None: alpha and colours are read as they are stored.
+    std::optional<Light> ground = {};
 };
 
 /// Allocates a plane in the memory of this process.
@@ -39,10 +44,10 @@ std::shared_ptr<float[]> new_plane(std::size_t size);
 ///
 /// @tparam AnyPicture  Picture or ColourPicture
 /// @param conversion   gives the curves and the matrix; null: those of the source
-/// @param reduce       as Reading::reduce
+/// @param reading      `reduce` and `ground` are used
 /// Errors: Unusable if the source cannot be read to its end.
 template <class AnyPicture>
-Result<AnyPicture> read_picture(const RowSource& source, const ColourConversion* conversion, int reduce,
+Result<AnyPicture> read_picture(const RowSource& source, const ColourConversion* conversion, const Reading& reading,
                                 const NewPlane& make_plane = new_plane);
 
 }  // namespace ccdt::api

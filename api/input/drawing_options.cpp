@@ -66,6 +66,11 @@ Result<void> read_dwell(const Input& input, DrawingOptions& options) {
     return assign(options.plotter.dwell, read_number(input, kDwells));
 }
 
+Result<void> read_dwell_unit(const Input& input, DrawingOptions& options) {
+    static constexpr std::array<Choice<bool>, 2> kUnits = {{{"s", false}, {"ms", true}}};
+    return assign(options.plotter.dwell_in_ms, read_choice<bool>(input, kUnits));
+}
+
 Result<void> read_pen_down(const Input& input, DrawingOptions& options) {
     return assign(options.plotter.pen_down, read_command(input));
 }

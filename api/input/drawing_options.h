@@ -22,6 +22,7 @@ enum class DotStyle {
 struct Plotter {
     double speed = 100;                 ///< mm/s, the same with the pen down and up
     double dwell = 0.075;               ///< seconds for lowering the pen, and the same for raising it
+    bool dwell_in_ms = false;           ///< whether G-code states the dwell in milliseconds instead of seconds
     std::string pen_down = "M3 S1000";  ///< G-code; `|` separates lines
     std::string pen_up = "M5";
 };
@@ -62,6 +63,7 @@ Result<void> read_pen(const Input& input, DrawingOptions& options);
 
 Result<void> read_speed(const Input& input, DrawingOptions& options);
 Result<void> read_dwell(const Input& input, DrawingOptions& options);
+Result<void> read_dwell_unit(const Input& input, DrawingOptions& options);
 
 /// Reads a command in G-code: letters, digits, blanks, points, signs, and `|` between lines. Rejects all other
 /// characters, such as those that end a line, begin a comment, or are removed from the stream by a controller.

@@ -12,6 +12,12 @@ Result<Fit> read_fit(const Input& input) {
     return read_choice<Fit>(input, kFits);
 }
 
+Result<AlphaMixing> read_alpha(const Input& input) {
+    static constexpr std::array<Choice<AlphaMixing>, 2> kMixings = {
+        {{"display", AlphaMixing::Display}, {"linear", AlphaMixing::Linear}}};
+    return read_choice<AlphaMixing>(input, kMixings);
+}
+
 Result<int> read_side(const Input& input) {
     constexpr std::uint64_t kMaxSide = 65'535;
     return read_integer(input, 1, kMaxSide).map([](std::uint64_t side) { return static_cast<int>(side); });

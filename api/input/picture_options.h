@@ -3,6 +3,7 @@
 
 #include "api/input/option_reader.h"
 #include "core/halftone/levels.h"
+#include "core/halftone/picture.h"
 #include "core/result.h"
 
 namespace ccdt::api {
@@ -15,6 +16,9 @@ enum class Fit {
 
 /// Reads `contain` or `cover`. Errors: Malformed.
 Result<Fit> read_fit(const Input& input);
+
+/// Reads `display` or `linear`. Errors: Malformed.
+Result<AlphaMixing> read_alpha(const Input& input);
 
 /// Reads the length of a side of a drawing, 1 to 65,535 pixels. Errors: Malformed.
 Result<int> read_side(const Input& input);

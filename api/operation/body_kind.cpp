@@ -13,6 +13,8 @@
 namespace ccdt::api {
 namespace {
 
+using namespace std::string_view_literals;
+
 constexpr std::string_view kOfSample =
     "options in JSON, a map (GeoJSON, TopoJSON or a zipped shapefile), a mesh (STL, OBJ, PLY, OFF, GLB or glTF), and "
     "voxels (NPY or TIFF)";
@@ -24,15 +26,27 @@ bool begins_like_json(std::string_view body) {
     return (start.starts_with('{') || start.starts_with('[')) && body.substr(0, kFirst).find('\0') == body.npos;
 }
 
-}  // namespace
-
-std::string kind_of_body(std::string_view body) {
+std::string kind_of_whole_body(std::string_view body) {
     if (const auto image = recognise_image(body)) return "a picture (" + std::string(name_of(*image)) + ')';
     if (const auto mesh = recognise_surface(body)) return "a mesh (" + std::string(name_of(*mesh)) + ')';
     if (is_npy(body)) return "a NumPy array";
     if (begins_like_json(body)) return "JSON";
     const std::string_view kind = kind_of_file(body);
     return kind.empty() ? "binary data of an unknown kind" : std::string(kind);
+}
+
+}  // namespace
+
+bool is_stripped(std::string_view body) {
+    constexpr std::size_t kShortest = 32;
+    return body.size() >= kShortest && body.find_first_of("\0\r\n"sv) == body.npos && !is_text(body);
+}
+
+std::string kind_of_body(std::string_view body) {
+    std::string kind = kind_of_whole_body(body);
+    if (is_stripped(body))
+        kind += " without its line ends and zeros, which curl -d removes from a file (use --data-binary)";
+    return kind;
 }
 
 std::string_view kind_of_json(JsonValue root) {

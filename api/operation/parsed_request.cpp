@@ -104,7 +104,7 @@ private:
 
 /// Reads a request for a halftone whose body is the file of a picture.
 HalftoneInput read_picture(std::string_view body, const std::vector<TextOption>& options, const Limits& limits) {
-    if (body.empty() || recognise_image(body)) return read_halftone(body, options, limits);
+    if (body.empty() || (recognise_image(body) && !is_stripped(body))) return read_halftone(body, options, limits);
     return read_halftone(
         failure(ErrorCode::Unsupported, "this is " + kind_of_body(body) + std::string(kPictureFormats)), options);
 }
@@ -121,7 +121,7 @@ Result<ParsedPointer> parse_halftone_request(std::string_view body, HalftoneBody
                                              const std::vector<TextOption>& options, std::string_view accept,
                                              const Limits& limits) {
     constexpr std::string_view kAccepted =
-        "pictures (PNG, JPEG, WebP, TIFF, GIF, BMP and AVIF), and JSON with the member image";
+        "pictures (PNG, JPEG, WebP, TIFF, GIF, BMP, AVIF and HEIC), and JSON with the member image";
     const auto input =
         kind == HalftoneBody::Json ? read_halftone_json(body, options, limits) : read_picture(body, options, limits);
     if (!input) return not_json(body, input.error(), kAccepted);

@@ -98,8 +98,8 @@ public:
     Gcode(const Plot& plot, Body& body, const std::stop_token& stop)
         : PlotterFile(plot, body, stop),
           feed_(60 * plot.plotter.speed),
-          down_(movement(plot.plotter.pen_down, plot.plotter.dwell)),
-          up_(movement(plot.plotter.pen_up, plot.plotter.dwell)) {}
+          down_(movement(plot.plotter.pen_down, plot.plotter)),
+          up_(movement(plot.plotter.pen_up, plot.plotter)) {}
 
     void initialise() { write("G21\nG90\n", up_); }
 
@@ -127,13 +127,13 @@ public:
 
 private:
     /// Returns the commands that raise or lower the pen, followed by a dwell.
-    /// @param dwell  seconds
-    static std::string movement(std::string commands, double dwell) {
+    static std::string movement(std::string commands, const Plotter& plotter) {
         std::ranges::replace(commands, '|', '\n');
         commands += '\n';
-        if (!(dwell > 0)) return commands;
+        if (!(plotter.dwell > 0)) return commands;
+        const double seconds = std::max(plotter.dwell, 1e-3);
         commands += "G4 P";
-        append_fixed(commands, std::max(dwell, 1e-3), 3);
+        append_fixed(commands, plotter.dwell_in_ms ? 1000 * seconds : seconds, plotter.dwell_in_ms ? 0 : 3);
         return commands += '\n';
     }
 
@@ -176,7 +176,8 @@ public:
 
     void initialise(const Plot& plot) {
         write("0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n9\n$EXTMIN\n10\n0\n20\n0\n9\n$EXTMAX\n");
-        write("10\n", size().x, "\n20\n", size().y, "\n0\nENDSEC\n0\nSECTION\n2\nTABLES\n");
+        write("10\n", size().x, "\n20\n", size().y, "\n9\n$INSUNITS\n70\n4\n9\n$MEASUREMENT\n70\n1\n");  // millimetres
+        write("0\nENDSEC\n0\nSECTION\n2\nTABLES\n");
         write("0\nTABLE\n2\nLTYPE\n70\n1\n0\nLTYPE\n2\nCONTINUOUS\n70\n0\n3\nSolid\n72\n65\n73\n0\n40\n0\n0\nENDTAB\n");
         write("0\nTABLE\n2\nLAYER\n70\n", static_cast<long long>(layers_.size()), "\n");
         for (std::size_t i = 0; i < layers_.size(); ++i) {

@@ -50,10 +50,10 @@ Result<api::ImageFile> file_of(const py::array& pixels, std::size_t max_pixels) 
 api::Decode decode_array(const py::array& pixels, bool linear) {
     const api::RowSource source = rows_of(pixels, linear);
     return {[source](std::string_view, const api::Reading& reading, const std::stop_token&) {
-                return api::read_picture<Picture>(source, nullptr, reading.reduce);
+                return api::read_picture<Picture>(source, nullptr, reading);
             },
             [source](std::string_view, const api::Reading& reading, const std::stop_token&) {
-                return api::read_picture<ColourPicture>(source, nullptr, reading.reduce);
+                return api::read_picture<ColourPicture>(source, nullptr, reading);
             }};
 }
 

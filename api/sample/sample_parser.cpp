@@ -160,7 +160,7 @@ constexpr std::array<OptionRule<Draft>, 8> kShapeRules = {{
 }};
 
 /// Options that are members of a JSON body, or parameters if the body is a GeoJSON or TopoJSON document.
-constexpr std::array<OptionRule<Draft>, 28> kOptionRules = {{
+constexpr std::array<OptionRule<Draft>, 29> kOptionRules = {{
     {"sites", read_sites},
     {"per", [](const Input& i, const Limits&, Draft& d) { return read_per(i, d.counting); }},
     {"classes", [](const Input& i, const Limits&, Draft& d) { return assign(d.counting.classes, read_classes(i)); }},
@@ -189,6 +189,8 @@ constexpr std::array<OptionRule<Draft>, 28> kOptionRules = {{
     {"pen", [](const Input& i, const Limits&, Draft& d) { return read_pen(i, d.request.output.drawing); }},
     {"speed", [](const Input& i, const Limits&, Draft& d) { return read_speed(i, d.request.output.drawing); }},
     {"dwell", [](const Input& i, const Limits&, Draft& d) { return read_dwell(i, d.request.output.drawing); }},
+    {"dwell_unit",
+     [](const Input& i, const Limits&, Draft& d) { return read_dwell_unit(i, d.request.output.drawing); }},
     {"pen_down", [](const Input& i, const Limits&, Draft& d) { return read_pen_down(i, d.request.output.drawing); }},
     {"pen_up", [](const Input& i, const Limits&, Draft& d) { return read_pen_up(i, d.request.output.drawing); }},
     {"width", [](const Input& i, const Limits&,

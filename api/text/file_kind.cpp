@@ -23,9 +23,7 @@ struct Kind {
 };
 
 constexpr auto kKinds = std::to_array<Kind>({
-    {4, "ftyphe"sv, "HEIC"},
-    {4, "ftypmif1"sv, "HEIF"},
-    {4, "ftypmsf1"sv, "HEIF"},
+    {0, "\x89PNG"sv, "a damaged PNG"},
     {4, "ftypcrx "sv, "a camera's raw file"},
     {4, "ftyp"sv, "a video"},
     {4, "JXL "sv, "JPEG XL"},
@@ -145,14 +143,6 @@ bool is_table(std::string_view text) {
     });
 }
 
-/// Whether a file begins like a text: without control characters other than blanks.
-bool is_text(std::string_view bytes) {
-    constexpr std::size_t kSearched = 1024;
-    return std::ranges::all_of(bytes.substr(0, kSearched), [](char c) {
-        return static_cast<unsigned char>(c) >= ' ' || kBlanks.find(c) != std::string_view::npos || c == '\f';
-    });
-}
-
 std::string_view kind_of_text(std::string_view text) {
     text = trim(without_byte_order_mark(text), kBlanks);
     if (text.starts_with('<')) return kind_of_xml(text);
@@ -164,6 +154,13 @@ std::string_view kind_of_text(std::string_view text) {
 }
 
 }  // namespace
+
+bool is_text(std::string_view bytes) {
+    constexpr std::size_t kSearched = 1024;
+    return std::ranges::all_of(bytes.substr(0, kSearched), [](char c) {
+        return static_cast<unsigned char>(c) >= ' ' || kBlanks.find(c) != std::string_view::npos || c == '\f';
+    });
+}
 
 std::string_view kind_of_file(std::string_view bytes) {
     if (trim(without_byte_order_mark(bytes), kBlanks).empty()) return "empty";

@@ -10,4 +10,7 @@ namespace ccdt::api {
 /// @returns  empty for an unknown kind
 std::string_view kind_of_file(std::string_view bytes);
 
+/// Returns whether a file begins like a text: without control characters other than blanks.
+bool is_text(std::string_view bytes);
+
 }  // namespace ccdt::api

@@ -33,6 +33,12 @@ private:
     std::size_t size_ = 0;
 };
 
+/// Way in which the partly transparent pixels of a picture are mixed with the ground behind them.
+enum class AlphaMixing {
+    Display,  ///< mixes sRGB values, as viewers and editors do
+    Linear,   ///< mixes linear light
+};
+
 /// A grey picture in linear light.
 struct Picture {
     int width = 0;

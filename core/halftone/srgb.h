@@ -17,6 +17,16 @@ inline double srgb_of_light(double light) {
     return light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - 0.055;
 }
 
+/// Returns the light of a partly transparent colour on a ground, as viewers show it: they mix sRGB values.
+/// @param light  linear light of the colour, in [0, 1]
+/// @param value  sRGB value of the ground, in [0, 1]
+/// @param alpha  in [0, 1]; 1: opaque
+inline float displayed_light(float light, float value, float alpha) {
+    if (alpha >= 1) return light;
+    const auto own = static_cast<float>(srgb_of_light(static_cast<double>(light)));
+    return light_of_srgb(value + alpha * (own - value));
+}
+
 /// Returns the relative luminance of linear light with the primaries of sRGB.
 template <class Number>
 Number luminance_of(Number red, Number green, Number blue) {

@@ -69,8 +69,12 @@ ccdt::Options run_options(std::size_t sites, const HalftoneOptions& options) {
 template <class Value>
 class PlaneMaker {
 public:
-    PlaneMaker(const PictureView& picture, std::span<const Value> values)
-        : values_(values), size_(pixels_of(picture)), channels_(static_cast<std::size_t>(picture.channels)) {
+    PlaneMaker(const PictureView& picture, std::span<const Value> values, const HalftoneOptions& options)
+        : values_(values),
+          size_(pixels_of(picture)),
+          channels_(static_cast<std::size_t>(picture.channels)),
+          is_displayed_(options.alpha == Alpha::Display && picture.channels % 2 == 0),
+          ground_(options.sides == Sides::Paper ? 0 : 1) {
         if constexpr (std::is_same_v<Value, std::uint8_t>) {
             for (std::size_t i = 0; i < light_.size(); ++i)
                 light_[i] = ccdt::light_of_srgb(share(static_cast<Value>(i)));
@@ -80,9 +84,8 @@ public:
     ccdt::Picture grey() const {
         if (channels_ < 3) return {0, 0, light(0), alpha()};
         return {0, 0, plane([this](std::size_t pixel) {
-                    const Value* const colours = values_.data() + pixel * channels_;
-                    return std::min(
-                        ccdt::luminance_of(light_of(colours[0]), light_of(colours[1]), light_of(colours[2])), 1.0F);
+                    return std::min(ccdt::luminance_of(light_of(pixel, 0), light_of(pixel, 1), light_of(pixel, 2)),
+                                    1.0F);
                 }),
                 alpha()};
     }
@@ -110,6 +113,14 @@ private:
         }
     }
 
+    /// Returns the light of a pixel; with Alpha::Display, as it looks on the ground.
+    float light_of(std::size_t pixel, std::size_t channel) const {
+        const float own = light_of(values_[pixel * channels_ + channel]);
+        return is_displayed_ ? ccdt::displayed_light(own, ground_, alpha_of(pixel)) : own;
+    }
+
+    float alpha_of(std::size_t pixel) const { return share(values_[pixel * channels_ + channels_ - 1]); }
+
     template <class Function>
     ccdt::Plane plane(const Function& value) const {
         const auto values = std::make_shared<float[]>(size_);
@@ -118,17 +129,22 @@ private:
     }
 
     ccdt::Plane light(std::size_t channel) const {
-        return plane([&](std::size_t pixel) { return light_of(values_[pixel * channels_ + channel]); });
+        return plane([&](std::size_t pixel) { return light_of(pixel, channel); });
     }
 
     ccdt::Plane alpha() const {
         if (channels_ % 2 != 0) return {};
-        return plane([this](std::size_t pixel) { return share(values_[pixel * channels_ + channels_ - 1]); });
+        return plane([this](std::size_t pixel) {
+            const float alpha = alpha_of(pixel);
+            return is_displayed_ && alpha > 0 ? 1 : alpha;
+        });
     }
 
     std::span<const Value> values_;
     std::size_t size_;
     std::size_t channels_;
+    bool is_displayed_;               ///< whether partly transparent pixels are shown on the ground, and become opaque
+    float ground_;                    ///< sRGB value, black or white
     std::array<float, 256> light_{};  ///< light of each byte; unused for floats
 };
 
@@ -170,16 +186,16 @@ private:
     double cell_area() const { return pixels() / (static_cast<double>(cells_.columns) * cells_.rows); }
 
     ccdt::Picture grey_picture() const {
-        auto made =
-            std::visit([&](const auto& values) { return PlaneMaker(picture_, values).grey(); }, picture_.values);
+        auto made = std::visit([&](const auto& values) { return PlaneMaker(picture_, values, options_).grey(); },
+                               picture_.values);
         made.width = picture_.width;
         made.height = picture_.height;
         return made;
     }
 
     ccdt::ColourPicture colour_picture() const {
-        auto made =
-            std::visit([&](const auto& values) { return PlaneMaker(picture_, values).colour(); }, picture_.values);
+        auto made = std::visit([&](const auto& values) { return PlaneMaker(picture_, values, options_).colour(); },
+                               picture_.values);
         made.width = picture_.width;
         made.height = picture_.height;
         return made;

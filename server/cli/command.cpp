@@ -55,11 +55,12 @@ constexpr auto kAnalyzeExamples = std::to_array<std::string_view>({
 });
 
 const std::array kCommands = {
-    Command{"halftone", "turn pictures into dots, or into the pixels of a device", "PICTURE... [OPTION]...",
-            "A PICTURE is a PNG, JPEG, WebP, TIFF, GIF, BMP or AVIF file. Colour profiles and EXIF orientation are "
-            "applied.",
-            kHalftoneExamples, kHalftoneSchemas,
-            [] { return joined(api::files_of(api::halftone_formats()), api::files_of(api::device_formats())); }},
+    Command{
+        "halftone", "turn pictures into dots, or into the pixels of a device", "PICTURE... [OPTION]...",
+        "A PICTURE is a PNG, JPEG, WebP, TIFF, GIF, BMP, AVIF or HEIC file. Colour profiles and EXIF orientation are "
+        "applied.",
+        kHalftoneExamples, kHalftoneSchemas,
+        [] { return joined(api::files_of(api::halftone_formats()), api::files_of(api::device_formats())); }},
     Command{"sample", "spread points evenly in areas, on surfaces and in space", "[FILE...] [OPTION]...",
             "A FILE is a map: a GeoJSON or TopoJSON document, a zip archive with a shapefile of polygons, or the JSON "
             "of a request to the service; or a mesh: an STL, OBJ, PLY, OFF, GLB, or glTF file with embedded buffers; "
@@ -147,12 +148,12 @@ struct GroupRow {
 
 constexpr auto kGroups = std::to_array<GroupRow>({
     {"Area", " domain mesh=FILE depth polygon holes geometry object coordinates invalid buffer avoid exclude "},
-    {"Dots", " sites minutes per classes properties density fixed sets dot dots tone detail levels invert "},
+    {"Dots", " sites minutes per classes properties density fixed sets dot dots tone detail levels alpha invert "},
     {"Colour", " color palette foreground background layers "},
     {"Placement", " method quality iterations passes tolerance crease order mesh seed "},
     {"Analysis", " max-frequency spectrum modes "},
     {"Format and size", " format multipoint width height scale fit antialias width-mm "},
-    {"Plotters", " style pen speed dwell pen-down pen-up "},
+    {"Plotters", " style pen speed dwell dwell-unit pen-down pen-up "},
     {"Devices", " device rotate spot bit-order invert-bits "},
     {"Pixels of a raster", " include calibration "},
     {"Files and messages", " output quiet json help "},

@@ -217,6 +217,7 @@ Result<AnyPicture> DecoderClient::decode_to(std::string_view bytes, const api::R
     text.product = std::is_same_v<AnyPicture, ColourPicture> ? Order::Product::Colour : Order::Product::Grey;
     text.reduce = reading.reduce;
     text.is_stack = reading.is_stack ? 1 : 0;
+    text.ground = reading.ground;
     text.limits = limits_(bytes, reading.max_pixels);
     if (reading.is_stack) text.limits.time += time_for(reading.max_pixels);
     return decode_by<ReplyMemory<AnyPicture>>(pass_order_, bytes, text, stop, longest_wait_, counts_);

@@ -152,6 +152,7 @@ private:
         carry_out(std::move(order), reply, [&](std::string_view bytes, const Order::Text& text) {
             api::Reading reading(max_pixels, text.reduce);
             reading.is_stack = text.is_stack != 0;
+            reading.ground = text.ground;
             const auto result =
                 decode_file(bytes, reading, [&reply](std::size_t values) { return reply.new_plane(values); });
             return reply.write(result);

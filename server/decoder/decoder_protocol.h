@@ -11,6 +11,7 @@
 #include <type_traits>
 
 #include "api/surface/surface_reader.h"
+#include "core/halftone/overprint.h"
 #include "core/halftone/picture.h"
 #include "core/result.h"
 #include "server/decoder/decoder_confinement.h"
@@ -41,6 +42,7 @@ struct Order {
         Product product = Product::Grey;
         std::int32_t reduce = 1;                         ///< as in api::Reading
         std::int32_t is_stack = 0;                       ///< as in api::Reading
+        std::optional<Light> ground = {};                ///< as in api::Reading
         std::array<char, kLongestName + 1> object = {};  ///< as in api::ShapefileReading; padded with zeros
         api::SurfaceHeader surface = {};                 ///< for a mesh
         std::int64_t patience_ms = 0;                    ///< maximum wait for a helper, in milliseconds

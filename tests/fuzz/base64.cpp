@@ -27,11 +27,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto text = text_of(data, size);
     const auto bytes = ccdt::api::decode_base64(text);
     if (bytes) {
-        // Apart from the padding, only one text encodes the same bytes.
+        // Apart from blanks and the padding, only one text encodes the same bytes.
+        std::string dense(text);
+        std::erase_if(dense, [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; });
         const std::string again = encode(*bytes);
-        CCDT_CHECK(text.starts_with(again));
-        CCDT_CHECK(text.substr(again.size()).find_first_not_of('=') == std::string_view::npos);
-        CCDT_CHECK(text.size() == again.size() || (text.size() % 4 == 0 && text.size() < again.size() + 3));
+        CCDT_CHECK(dense.starts_with(again));
+        CCDT_CHECK(dense.find_first_not_of('=', again.size()) == std::string::npos);
+        CCDT_CHECK(dense.size() == again.size() || (dense.size() % 4 == 0 && dense.size() < again.size() + 3));
     } else {
         check_error(bytes.error());
     }

@@ -152,6 +152,22 @@ class Devices(ServerCase):
         covered = pixels(self.halftone(file_of(picture), "?device=1bit&width=10&height=10&fit=cover").body, "L")
         self.assertTrue((covered[:, :5] == 0).all() and (covered[:, 5:] == 255).all())
 
+    def test_transparency_looks_as_in_viewers(self):
+        colour = numpy.full((60, 60, 4), (0, 0, 0, 127), numpy.uint8)
+        grey = numpy.full((60, 60, 2), (0, 127), numpy.uint8)
+        for name, picture in (("colour", colour), ("grey", grey)):
+            file = io.BytesIO()
+            Image.fromarray(picture).save(file, "PNG")
+            # The ground is white, light red, and black.
+            for query, seen in (("", (128, 128, 128)), ("&background=%23f88", (128, 68, 68)), ("&background=%23000", (0, 0, 0)),
+                                ("&alpha=linear", (188, 188, 188)), ("&alpha=linear&background=%23f88", (188, 100, 100))):
+                with self.subTest(name=name, query=query):
+                    palette = "%23000,%23f00,%230f0,%2300f,%23ff0,%23f0f,%230ff,%23fff"
+                    answer = self.halftone(file.getvalue(), f"?device=custom&palette={palette}{query}")
+                    light = LIGHT[numpy.asarray(opened(answer).convert("RGB"))].mean((0, 1))
+                    for found, value in zip(light, seen, strict=True):
+                        self.assertAlmostEqual(found, LIGHT[value], delta=0.01)
+
     def test_formats_hold_the_same_pixels(self):
         for device, bits in (("1bit", 1), ("gray4", 2), ("spectra6", 4)):
             query = f"?device={device}&width=61&height=47&fit=cover"

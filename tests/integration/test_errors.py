@@ -297,7 +297,7 @@ class Bodies(ServerCase):
         b"PAR1" + bytes(20): (415, "GeoParquet"),
         b"fgb\x03fgb\x00": (415, "FlatGeobuf"),
         b"%PDF-1.7": (415, "seems to be PDF"),
-        b"\x00\x00\x00\x18ftypheic": (415, "HEIC"),
+        b"\x00\x00\x00\x18ftypcrx ": (415, "a camera's raw file"),
         '{"sites":1}'.encode("utf-16"): (415, "UTF-16"),
         '{"sites":1}'.encode("utf-16-le"): (415, "UTF-16"),
         b"\x02\xf0\x0f\xff": (415, "binary data"),

@@ -2,12 +2,14 @@
 """POST /halftone: every form of the request, every option, and the answers."""
 
 import base64
+import io
 import json
 import shutil
 import tempfile
 import unittest
 
 import numpy
+from PIL import Image
 
 from harness import PICTURES, ServerCase, ask, data_uri, execute, file_of, flat, linear, pixels, post_json
 
@@ -168,6 +170,21 @@ class Options(ServerCase):
         picture = answer.picture("RGB").reshape(-1, 3)
         self.assertEqual({tuple(colour) for colour in numpy.unique(picture, axis=0).tolist()},
                          {(255, 0, 0), (0, 0, 255)})
+
+    def test_partly_transparent_pixels_look_as_in_viewers(self):
+        shadow = io.BytesIO()
+        Image.fromarray(numpy.full((60, 60, 4), (0, 0, 0, 127), numpy.uint8)).save(shadow, "PNG")
+        white = io.BytesIO()
+        Image.fromarray(numpy.full((60, 60, 4), (255, 255, 255, 127), numpy.uint8)).save(white, "PNG")
+        viewed = 1 - linear(128)  # share of ink for half-transparent black on white
+        for file, query, ink in ((shadow, "dots=ink", viewed), (shadow, "alpha=linear&dots=ink", 127 / 255),
+                                 (shadow, "dots=both", viewed), (shadow, "color=cmyk&dots=ink", viewed),
+                                 (white, "dots=paper", 1 - linear(127)), (white, "color=rgb&dots=ink", 1 - linear(127)),
+                                 (white, "alpha=linear&dots=paper", 128 / 255)):
+            with self.subTest(query):
+                answer = self.halftone(file.getvalue(), f"?sites=500&scale=8&{query}")
+                light = numpy.vectorize(linear)(numpy.arange(256))[answer.picture("RGB")].mean()
+                self.assertAlmostEqual(1 - light, ink, delta=0.02)
 
     def test_transparent_background(self):
         answer = self.halftone(CAMERA, "?sites=300&scale=4&background=transparent")

@@ -3,13 +3,15 @@
 
 import io
 import json
+import struct
 import unittest
+import zlib
 
 import numpy
 from PIL import Image, ImageCms
 
 import profiles
-from harness import ROOT, ServerCase, data_uri, file_of, post_json
+from harness import ROOT, ServerCase, data_uri, file_of, linear, post_json
 
 FIXTURES = ROOT / "tests" / "api" / "data"
 P3 = profiles.rgb_profile(profiles.DISPLAY_P3, profiles.srgb_to_linear)
@@ -125,10 +127,10 @@ class Formats(ServerCase):
                     self.assertEqual(self.halftone((FIXTURES / f"{name}.avif").read_bytes(), query).body,
                                      self.halftone(original, query).body)
 
-    def test_avifs_of_every_kind_are_decoded_in_confinement(self):
+    def test_avifs_and_heics_of_every_kind_are_decoded_in_confinement(self):
         query = "?sites=100&iterations=0&scale=1"
-        refused = {"bomb.avif": 413, "cropped.avif": 422}
-        for path in sorted(FIXTURES.glob("*.avif")):
+        refused = {"bomb.avif": 413, "cropped.avif": 422, "bomb.heic": 413, "track.heic": 422}
+        for path in sorted((*FIXTURES.glob("*.avif"), *FIXTURES.glob("*.heic"))):
             with self.subTest(name=path.name):
                 self.assertEqual(self.ask("/halftone" + query, data=path.read_bytes()).status,
                                  refused.get(path.name, 200))
@@ -145,11 +147,40 @@ class Formats(ServerCase):
                     self.assertEqual(answer.status, 200)
         self.assertNotIn("crash", self.server.log())
 
-    def test_broken_avifs_are_refused(self):
-        file = (FIXTURES / "tiles.avif").read_bytes()
-        for size in (40, 300, len(file) // 2, len(file) - 1):
-            with self.subTest(size=size):
-                self.assert_problem(self.ask("/halftone", data=file[:size]), 422, "broken or truncated")
+    def test_broken_avifs_and_heics_are_refused(self):
+        for name in ("tiles.avif", "tiles.heic"):
+            file = (FIXTURES / name).read_bytes()
+            for size in (40, 300, len(file) // 2, len(file) - 1):
+                with self.subTest(name=name, size=size):
+                    self.assert_problem(self.ask("/halftone", data=file[:size]), 422, "broken or truncated")
+
+    def test_main_picture_of_a_heic_is_read(self):
+        original = self.halftone((FIXTURES / "lossless.webp").read_bytes(), QUERY).body
+        for name in ("lossless.heic", "orientation-6.heic", "gain-map.heic", "film.heic"):
+            with self.subTest(name=name):
+                answer = self.halftone((FIXTURES / name).read_bytes(), QUERY)
+                self.assertEqual(answer.body, original)
+                self.assertEqual("x-warnings" in answer.headers, name == "film.heic")
+        self.assert_problem(self.ask("/halftone", data=(FIXTURES / "track.heic").read_bytes()), 422, "image sequence")
+
+    def test_high_dynamic_range_is_compressed(self):
+        """White of 203 cd/m2 and the peak of 1,000 cd/m2, in PQ and HLG, are L* 77 and 100."""
+        def described(value, transfer):
+            file = saved(Image.new("RGB", (24, 24), (value,) * 3), "PNG")
+            chunk = b"cICP" + bytes((9, transfer, 0, 1))
+            start = file.index(b"IDAT") - 4
+            return file[:start] + struct.pack(">I", 4) + chunk + struct.pack(">I", zlib.crc32(chunk)) + file[start:]
+        for value, transfer, seen in ((148, 16, 192), (191, 18, 192), (191, 16, 254), (0, 16, 0), (255, 18, 255)):
+            with self.subTest(value=value, transfer=transfer):
+                answer = self.halftone(described(value, transfer), "?device=1bit")
+                self.assertAlmostEqual(answer.picture("L").mean() / 255, linear(seen), delta=0.02)
+
+    def test_files_without_line_ends_get_a_hint(self):
+        for name in ("grey.jpg", "palette.png", "lossy.webp", "lzw.tif", "noise.gif", "rgb.bmp", "rgba.avif", "lossless.heic"):
+            with self.subTest(name=name):
+                file = (FIXTURES / name).read_bytes().translate(None, b"\0\r\n")  # as curl -d reads it
+                answer = self.ask("/halftone", "-H", "Content-Type: application/x-www-form-urlencoded", data=file)
+                self.assert_problem(answer, 415, "--data-binary")
 
     def test_first_frame_of_an_animation_is_read(self):
         first, second = patch("L", 200), patch("L", 20)
@@ -185,13 +216,13 @@ class Formats(ServerCase):
                                     self.halftone(coarse, "?sites=500&format=json").json()["points"])
 
     def test_unsupported_ones_are_refused_by_name(self):
-        for file, name in ((b"\0\0\0\x18ftypheic\0\0\0\0mif1heic", "HEIC"), (b"%PDF-1.7\n", "PDF")):
+        for file, name in ((b"\xff\x0a\x12\x34", "JPEG XL"), (b"%PDF-1.7\n", "PDF")):
             with self.subTest(name=name):
                 self.assert_problem(self.ask("/halftone", data=file), 415, f"this is {name}",
-                                    "the supported formats are PNG, JPEG, WebP, TIFF, GIF, BMP and AVIF")
+                                    "the supported formats are PNG, JPEG, WebP, TIFF, GIF, BMP, AVIF and HEIC")
 
     def test_oversized_pictures_are_refused_by_their_header(self):
-        for name in ("bomb.gif", "bomb.bmp", "bomb.avif"):
+        for name in ("bomb.gif", "bomb.bmp", "bomb.avif", "bomb.heic"):
             with self.subTest(name=name):
                 self.assert_problem(self.ask("/halftone", data=(FIXTURES / name).read_bytes()), 413, "max-pixels")
 

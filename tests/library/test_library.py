@@ -264,9 +264,10 @@ class Case(unittest.TestCase):
         grey = self.installed.picture.getchannel("G")
         alpha = numpy.tile(numpy.arange(grey.width, dtype=numpy.uint8), (grey.height, 1))
         transparent = Image.merge("LA", (grey, Image.fromarray(alpha)))
-        for name, picture in (("both", self.installed.picture), ("grey", grey), ("transparent", transparent)):
+        for name, query, picture in (("both", "", self.installed.picture), ("grey", "", grey),
+                                     ("transparent", "", transparent), ("linear transparent", "&alpha=linear", transparent)):
             with self.subTest(name=name):
-                answer = self.halftone("dots=both", picture)
+                answer = self.halftone("dots=both" + query, picture)
                 found = self.memory[name]
                 self.assertEqual([dot[:2] for dot in found["dots"]], answer["points"])
                 self.assertEqual(self.radii(found["dots"]), numpy.float32(answer["radii"]).tolist())

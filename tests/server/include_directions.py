@@ -24,6 +24,7 @@ RULES = (
     (re.compile(r"^OpenImageIO/"), ("api/image/library_reader.cpp",)),
     (re.compile(r"^lcms2"), ("api/image/colour_profile.cpp",)),
     (re.compile(r"^gif_lib\.h$"), ("api/image/gif_reader.cpp",)),
+    (re.compile(r"^libheif/|^libde265/"), ("api/image/heic_reader.cpp",)),
     (re.compile(r"^jpeglib\.h$"), ("api/image/ink_jpeg.cpp",)),
     (re.compile(r"^shapefil\.h$"), ("api/map/shapefile_reader.cpp",)),
     (re.compile(r"^iconv\.h$"), ("api/map/code_page.cpp",)),

@@ -19,6 +19,7 @@ class PlotOptions(TypedDict, total=False):
     pen: Union[float, str]
     speed: float
     dwell: float
+    dwell_unit: str
     pen_down: str
     pen_up: str
 
@@ -37,6 +38,7 @@ class HalftoneOptions(PlotOptions, total=False):
     fit: str
     dot: Union[float, str]
     detail: float
+    alpha: str
     levels: Union[str, Sequence[float]]
     antialias: bool
     dots: str
@@ -58,6 +60,7 @@ class DeviceOptions(TypedDict, total=False):
     fit: str
     rotate: int
     background: str
+    alpha: str
     levels: Union[str, Sequence[float]]
     spot: float
     width_mm: float

@@ -21,7 +21,7 @@ struct PictureView {
     int channels = 1;  ///< 1: grey; 2: grey and alpha; 3: red, green and blue; 4: red, green, blue and alpha
     /// [height * width * channels] pixels row by row from the top, with interleaved channels. Bytes are values of sRGB.
     /// Floats are linear light in [0, 1], with the primaries of sRGB; values outside are clamped, and NaN counts as 0.
-    /// Alpha is linear, from 0 (transparent) to 1 or 255, and colours are not premultiplied.
+    /// Alpha goes from 0 (transparent) to 1 or 255, and colours are not premultiplied.
     std::variant<std::span<const std::uint8_t>, std::span<const float>> values;
 };
 
@@ -38,6 +38,12 @@ enum class Reproduction {
     Lightness,  ///< CIE L*; the halftone is lighter
 };
 
+/// Way in which partly transparent pixels are mixed with the ground behind them.
+enum class Alpha {
+    Display,  ///< mixes sRGB values, as viewers and editors do
+    Linear,   ///< mixes linear light
+};
+
 /// Options of halftone(). The defaults are those of the service for drawings.
 struct HalftoneOptions {
     Sides sides = Sides::Both;
@@ -47,7 +53,8 @@ struct HalftoneOptions {
     double detail = 0.7;                  ///< strength of the sharpening of edges, 0 to 1
     std::uint64_t seed = 0;               ///< 0 to 2^53 - 1
     Quality quality = Quality::Standard;  ///< not Stealthy
-    bool partial = false;  ///< whether a stop while dots move returns the current dots instead of an error
+    bool partial = false;          ///< whether a stop while dots move returns the current dots instead of an error
+    Alpha alpha = Alpha::Display;  ///< the ground is white or, with Sides::Paper, black
 };
 
 /// A dot of a halftone. A dot flips each of its channels: where the ground is white, the dot removes the light of the

@@ -32,6 +32,7 @@ const shared = (name) => halftoneFields.find((field) => field.name === name);
 
 export const moreFields = [
   shared("levels"),
+  shared("alpha"),
   { kind: "number", name: "spot", label: "Printed spot, px", value: 1.5, min: 1, max: 2, step: 0.05, auto: true, free: "none",
     help: "Diameter of the round spot that a printer makes for a dark pixel. Spots overlap; with this option, the print still has the tones of the picture." },
   { ...shared("width_mm"), help: "Sets the resolution of the file." },

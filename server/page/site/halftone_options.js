@@ -31,6 +31,8 @@ export const moreFields = [
     { label: "black point", value: 0, min: 0, max: 1, step: 0.05 }, { label: "white point", value: 1, min: 0, max: 1, step: 0.05 },
     { label: "gamma", value: 1, min: 0.1, max: 10, step: 0.1 }],
     help: "As in image editors: values up to the black point become black, values from the white point on become white. A gamma above 1 lightens the values between." },
+  { kind: "choice", name: "alpha", label: "Transparency", standard: "display", choices: [["display", "as viewers show it"], ["linear", "linear light: lighter"]],
+    help: "How partly transparent parts of the picture are mixed with the paper behind them." },
   { kind: "choice", name: "quality", label: "Quality", standard: "standard", choices: [["standard", "standard"], ["draft", "draft: faster"], ["best", "best: slower"]],
     help: "How evenly dots are spread. A draft takes half as long as standard, best takes twice as long." },
   { kind: "number", name: "seed", label: "Seed", value: 0, min: 0, max: 100, step: 1, standard: 0,

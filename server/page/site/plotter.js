@@ -28,6 +28,7 @@ const fields = [
   { kind: "number", name: "speed", label: "Speed, mm/s", value: 100, min: 5, max: 500, step: 1, log: true },
   { kind: "number", name: "lift", label: "Pen lift, seconds", value: 0.15, min: 0.01, max: 2, log: true,
     help: "Time that the pen needs to go down and up again, for each stroke." },
+  { kind: "choice", name: "dwell_unit", label: "G-code: dwell in", standard: "s", choices: [["s", "seconds: GRBL, LinuxCNC"], ["ms", "milliseconds: Marlin, Smoothieware"]] },
   { kind: "text", name: "pen_down", label: "G-code: pen down", value: "M3 S1000", standard: "M3 S1000",
     help: "Commands that lower the pen. Separate lines by |. For a Z axis: G1 Z-1 F300." },
   { kind: "text", name: "pen_up", label: "G-code: pen up", value: "M5", standard: "M5",
@@ -132,7 +133,7 @@ export class Plotter {
    * Returns the options of a drawing: width, dots, pen and, if there is one, the time limit. Adds the speed for G-code.
    */
   options(format) {
-    const { pen_mm: pen, style, speed, lift, pen_down, pen_up } = this.fields.values();
+    const { pen_mm: pen, style, speed, lift, dwell_unit, pen_down, pen_up } = this.fields.values();
     const { width } = this.#page();
     const { minutes } = this;
     return {
@@ -142,6 +143,7 @@ export class Plotter {
       ...((style === "path" || fillings.includes(style)) && { pen }),
       ...(minutes !== undefined && { minutes }),
       ...((minutes !== undefined || format === "gcode") && { speed, dwell: lift / 2 }),
+      ...(format === "gcode" && dwell_unit !== "s" && { dwell_unit }),
       ...(format === "gcode" && pen_down !== undefined && { pen_down }),
       ...(format === "gcode" && pen_up !== undefined && { pen_up }),
     };

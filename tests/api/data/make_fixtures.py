@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes the image files of this folder (Debian 12: python3-pil 9.4, python3-numpy, libavif-bin 0.11).
+"""Writes the image files of this folder (Debian 12: python3-pil 9.4, python3-numpy, libavif-bin 0.11,
+libheif-examples 1.15).
 
 All files except those for alpha, colours and corruption show the test picture of 24 x 16 pixels: four quadrants of
 sRGB grey, 0 and 85 above 170 and 255.
@@ -209,6 +210,136 @@ def avifs():
         file.write(picture.replace(struct.pack(">II", 24, 16), struct.pack(">II", 30000, 30000)))
 
 
+def box(name, *contents):
+    data = b"".join(contents)
+    return struct.pack(">I", 8 + len(data)) + name + data
+
+
+def full_box(name, version, *contents):
+    return box(name, struct.pack(">I", version << 24), *contents)
+
+
+def boxes(data):
+    """Returns the boxes of a file or a box, by name. Of boxes with the same name, the first one counts."""
+    found, at = {}, 0
+    while at < len(data):
+        size, = struct.unpack_from(">I", data, at)
+        found.setdefault(data[at + 4:at + 8], data[at + 8:at + size])
+        at += size
+    return found
+
+
+def coded(name):
+    """Returns the data of the only coded item of a HEIC or AVIF, and its size and configuration. The encoder of HEIC
+    enlarges small pictures to 64 x 64 pixels, and writes a grid of this one tile, which crops them."""
+    file = boxes(pathlib.Path(name).read_bytes())
+    properties = boxes(boxes(boxes(file[b"meta"][4:])[b"iprp"])[b"ipco"])
+    kinds = (b"ispe", b"hvcC", b"av1C")
+    return file[b"mdat"], [box(kind, properties[kind]) for kind in kinds if kind in properties]
+
+
+def size_box(width, height):
+    return full_box(b"ispe", 0, struct.pack(">II", width, height))
+
+
+def crop_box(width, height, whole=64):
+    """Returns a crop to the upper left corner of a square of `whole` pixels."""
+    return box(b"clap", struct.pack(">4I4i", width, 1, height, 1, width - whole, 2, height - whole, 2))
+
+
+def heif(name, brand, items, references=()):
+    """Writes a HEIF. `items`: type, data and properties of each; the first is the primary item. `references`: type,
+    number of an item from 1 on, and the numbers of the items that it refers to."""
+    def location(first):
+        entries, at = b"", first
+        for number, (_, data, _) in enumerate(items, 1):
+            entries += struct.pack(">HHHII", number, 0, 1, at, len(data))
+            at += len(data)
+        return full_box(b"iloc", 0, struct.pack(">HH", 0x4400, len(items)), entries)
+
+    properties = [each for _, _, own in items for each in own]
+    associations = b""
+    for number, (_, _, own) in enumerate(items, 1):
+        associations += struct.pack(">HB", number, len(own))
+        associations += bytes(0x80 * (each[4:8] != b"ispe") | properties.index(each) + 1 for each in own)
+    infos = [full_box(b"infe", 2, struct.pack(">HH", number, 0), kind, b"\0") for number, (kind, _, _) in
+             enumerate(items, 1)]
+    links = [box(kind, struct.pack(">HH", item, len(others)), struct.pack(f">{len(others)}H", *others))
+             for kind, item, others in references]
+    start = box(b"ftyp", brand, bytes(4), brand, b"mif1")
+
+    def meta(first):
+        return full_box(
+            b"meta", 0, full_box(b"hdlr", 0, bytes(4), b"pict", bytes(13)), full_box(b"pitm", 0, b"\0\1"),
+            location(first), full_box(b"iinf", 0, struct.pack(">H", len(items)), *infos),
+            box(b"iprp", box(b"ipco", *properties), full_box(b"ipma", 0, struct.pack(">I", len(items)), associations)),
+            *([full_box(b"iref", 0, *links)] if links else []))
+
+    data = box(b"mdat", *(each for _, each, _ in items))
+    pathlib.Path(name).write_bytes(start + meta(len(start) + len(meta(0)) + 8) + data)
+
+
+def encode_heic(name, picture, *arguments):
+    """Writes a HEIC with one item, and a second one if the picture has alpha. Greys are exact. `arguments`: options of
+    heif-enc."""
+    picture.save("source.png")
+    subprocess.run(["heif-enc", "-L", "-p", "chroma=444", "-p", "x265:info=0", "--matrix_coefficients=0", *arguments,
+                    "-o", name, "source.png"], check=True, stdout=subprocess.DEVNULL)
+    pathlib.Path("source.png").unlink()
+
+
+def add_gain_map(source, name, brand, kind, crop):
+    """Writes a picture with a gain map that claims to be much larger than the picture. `crop`: more properties of the
+    picture."""
+    data, properties = coded(source)
+    kind_of_map = full_box(b"auxC", 0, b"urn:com:apple:photo:2020:aux:hdrgainmap\0")
+    heif(name, brand, [(kind, data, properties + crop), (kind, data, [size_box(10000, 10000), *properties[1:], kind_of_map])],
+         [(b"auxl", 2, [1])])
+
+
+def heics():
+    rgb = Image.fromarray(GREY).convert("RGB")
+    encode_heic("lossless.heic", rgb)
+    encode_heic("lossy.heic", rgb, "-q", "95", "-p", "lossless=false", "-p", "chroma=420", "--matrix_coefficients=6")
+    # By orientation: the turns and mirrorings, in the order in which they are applied.
+    steps = {1: [], 2: ["imir1"], 3: ["irot2"], 4: ["imir0"], 5: ["irot1", "imir0"], 6: ["irot3"],
+             7: ["imir0", "irot1"], 8: ["irot1"]}
+    for orientation, turns in steps.items():
+        encode_heic("stored.heic", rgb.transpose(STORE[orientation]) if turns else rgb)
+        data, properties = coded("stored.heic")
+        crop = crop_box(16, 24) if orientation > 4 else crop_box(24, 16)
+        turns = [box(turn[:4].encode(), bytes([int(turn[4])])) for turn in turns]
+        heif(f"orientation-{orientation}.heic", b"heic", [(b"hvc1", data, [*properties, crop, *turns])])
+    add_gain_map("lossless.heic", "gain-map.heic", b"heic", b"hvc1", [crop_box(24, 16)])
+    add_gain_map("lossless.avif", "gain-map.avif", b"avif", b"av01", [])
+    data, (_, configuration) = coded("lossless.heic")
+    heif("bomb.heic", b"heic", [(b"hvc1", data, [size_box(30000, 30000), configuration])])
+
+    rgba = Image.open("rgba.png")
+    encode_heic("rgba.heic", rgba)
+    multiplied = np.array(rgba)
+    multiplied[..., :3] = np.rint(multiplied[..., :3] * (multiplied[..., 3:] / 255.0))
+    encode_heic("premultiplied.heic", Image.fromarray(multiplied), "--premultiplied-alpha")
+    encode_heic("p3.heic", Image.open("p3.png"))
+    encode_heic("ramp.heic", Image.open("ramp.png"), "-b", "12")
+    encode_heic("noise.heic", Image.open("noise.png"))
+    tiles = []
+    for tile in (Image.open("noise.png").crop((0, 0, 64, 64)).convert("RGB"), Image.new("RGB", (64, 64), (255, 0, 0))):
+        encode_heic("tile.heic", tile)
+        tiles.append((b"hvc1", *coded("tile.heic")))
+    grid = (b"grid", struct.pack(">4BHH", 0, 0, 0, 1, 128, 64), [size_box(128, 64)])
+    heif("tiles.heic", b"heic", [grid] + tiles, [(b"dimg", 1, [2, 3])])
+
+    still = pathlib.Path("lossless.heic").read_bytes()
+    track = full_box(b"stsz", 0, struct.pack(">III", 0, 2, 0))
+    for name in (b"stbl", b"minf", b"mdia", b"trak", b"moov"):
+        track = box(name, track)
+    pathlib.Path("film.heic").write_bytes(still + track)
+    pathlib.Path("track.heic").write_bytes(box(b"ftyp", b"hevc", bytes(4), b"msf1") + track)
+    for name in ("stored.heic", "tile.heic"):
+        pathlib.Path(name).unlink()
+
+
 def main():
     grey = Image.fromarray(GREY)
     rgb = grey.convert("RGB")
@@ -258,6 +389,7 @@ def main():
     bitmaps()
     films()
     avifs()
+    heics()
 
     with open("bomb.png", "wb") as file:
         file.write(header(30000, 30000, 8, 2) + chunk(b"IDAT", zlib.compress(bytes(1000))) + chunk(b"IEND", b""))

@@ -76,6 +76,24 @@ TEST(DevicePicture, RejectsMorePixelsThanAllowed) {
     EXPECT_EQ(request.error().field, "width");
 }
 
+TEST(DevicePicture, NeedsASizeForLargePictures) {
+    ImageFile large;
+    large.header.width = 4001;
+    large.header.height = 1000;
+    const auto parsed = [&](const Options& options) {
+        return parse_device(read_halftone(Result<ImageFile>(large), options), "", {});
+    };
+    const auto request = parsed({{"device", "1bit"}});
+    ASSERT_FALSE(request);
+    EXPECT_EQ(request.error().code, ErrorCode::LimitExceeded);
+    EXPECT_EQ(request.error().field, "width");
+    EXPECT_NE(request.error().message.find("4001 x 1000"), std::string::npos);
+    EXPECT_TRUE(parsed({{"device", "1bit"}, {"width", "4001"}}));
+    EXPECT_TRUE(parsed({{"device", "1bit"}, {"height", "1000"}}));
+    large.header.width = 4000;
+    EXPECT_TRUE(parsed({{"device", "1bit"}}));
+}
+
 TEST(DevicePicture, ReportsAllErrorsOfARequest) {
     const auto request = parse({{"device", "tv"}, {"rotate", "45"}});
     ASSERT_FALSE(request);

@@ -133,6 +133,7 @@ TEST(HalftoneOptions, ReadAllOptions) {
                                 {"dots", "paper"},
                                 {"invert", "1"},
                                 {"tone", "perceptual"},
+                                {"alpha", "linear"},
                                 {"foreground", "#123"},
                                 {"background", "transparent"},
                                 {"format", "json"}});
@@ -148,6 +149,7 @@ TEST(HalftoneOptions, ReadAllOptions) {
     EXPECT_TRUE(request->antialias);
     EXPECT_EQ(request->dots, Dots::Paper);
     EXPECT_EQ(request->tone, Tone::Perceptual);
+    EXPECT_EQ(request->alpha, AlphaMixing::Linear);
     EXPECT_EQ(request->palette.inks.front().colour, (Colour{0x11, 0x22, 0x33}));
     EXPECT_TRUE(request->palette.paper.transparent);
     EXPECT_EQ(request->format->file.name, "json");
@@ -164,7 +166,8 @@ TEST(HalftoneOptions, NameInvalidOption) {
                            {"invert", "2"},         {"antialias", "2"},     {"quality", "good"},
                            {"quality", "stealthy"}, {"tone", "loud"},       {"foreground", "transparent"},
                            {"background", ""},      {"format", "bmp"},      {"format", "geojson"},
-                           {"sights", "10"},        {"image", "aGVsbG8="},  {"method", "ccdt"}};
+                           {"sights", "10"},        {"image", "aGVsbG8="},  {"method", "ccdt"},
+                           {"alpha", "none"}};
     for (const auto& option : wrong) {
         const auto request = parse({option});
         ASSERT_FALSE(request) << option.name << '=' << option.value;

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <random>
 #include <string>
 
@@ -60,8 +62,43 @@ TEST(ColourProfile, ReadsTheCurveOfAGreyProfile) {
         EXPECT_NEAR(conversion->curves[0](share), std::pow(share, gamma), 1e-4) << share;
 }
 
+/// Converts a colour of high dynamic range to light with the primaries of the file.
+std::array<float, 3> compressed(std::uint8_t transfer, std::array<float, 3> shares) {
+    const auto conversion = convert_colours({{}, ColourTags::CodePoints{9, transfer}, {}});
+    std::array<std::uint16_t, 3> from{}, to{};
+    for (std::size_t i = 0; i < 3; ++i) from[i] = static_cast<std::uint16_t>(std::lround(shares[i] * 65535));
+    conversion->transform(from.data(), to.data(), 1);
+    std::array<float, 3> light{};
+    for (std::size_t i = 0; i < 3; ++i) light[i] = conversion->curves[i](static_cast<float>(to[i]) / 65535);
+    return light;
+}
+
+TEST(ColourProfile, CompressesHighDynamicRange) {
+    constexpr std::uint8_t kPq = 16, kHlg = 18;
+    // By ITU-R BT.2408, white is at 58 % in PQ and at 75 % in HLG. In PQ, 1,000 cd/m2 are at 75 %.
+    EXPECT_NEAR(compressed(kPq, {0.581F, 0.581F, 0.581F})[0], 0.52F, 0.005F);
+    EXPECT_NEAR(compressed(kPq, {0.752F, 0.752F, 0.752F})[0], 1, 0.005F);
+    EXPECT_EQ(compressed(kPq, {1, 1, 1})[0], 1);
+    EXPECT_EQ(compressed(kPq, {0, 0, 0})[0], 0);
+    EXPECT_NEAR(compressed(kHlg, {0.75F, 0.75F, 0.75F})[0], 0.52F, 0.005F);
+    EXPECT_NEAR(compressed(kHlg, {1, 1, 1})[0], 1, 1e-3);
+    EXPECT_EQ(compressed(kHlg, {0, 0, 0})[0], 0);
+    const auto red = compressed(kPq, {0.75F, 0.58F, 0.4F});
+    EXPECT_NEAR(red[0], 1, 0.01F);
+    EXPECT_NEAR(red[1] / red[0], 202.0F / 983, 0.01F) << "ratios are kept";
+    for (const std::uint8_t transfer : {kPq, kHlg}) {
+        const auto grey = convert_colours({{}, ColourTags::CodePoints{9, transfer}, {}})->grey;
+        float last = -1;
+        for (const float share : {0.0F, 0.1F, 0.3F, 0.5F, 0.6F, 0.7F, 0.75F}) {
+            EXPECT_NEAR(grey(share), compressed(transfer, {share, share, share})[2], 1e-3) << share;
+            EXPECT_GT(grey(share), last);
+            last = grey(share);
+        }
+    }
+}
+
 TEST(ColourProfile, UsesTheProfileInsteadOfUnsupportedCodePoints) {
-    const ColourTags tags{profile_in("p3.png"), ColourTags::CodePoints{9, 16}, {}};  // high dynamic range
+    const ColourTags tags{profile_in("p3.png"), ColourTags::CodePoints{9, 17}, {}};  // of digital cinema
     expect_p3(convert_colours(tags), "profile");
 }
 

@@ -35,9 +35,14 @@ TEST(Base64, AcceptsMissingPadding) {
     EXPECT_EQ(*decode_base64("Zm8"), "fo");
 }
 
+TEST(Base64, IgnoresBlanksAndLineBreaks) {
+    for (const auto* spaced : {"Zm9v\nYg==\n", " Zm9 vY\tg==", "Zm9v\r\nYg=\r\n=", "Zm9vYg\n"})
+        EXPECT_EQ(decode_base64(spaced).value_or("refused"), "foob") << spaced;
+}
+
 TEST(Base64, RefusesInvalidEncodings) {
-    for (const auto* wrong : {"Z", "Zg=", "Zg===", "Z===", "=", "====", "Zm9v=", "Zh==", "Zm9=", "Zm 9", "Zm9v\n",
-                              "Zm-_", "Zg==Zg==", "Zm9vY"}) {
+    for (const auto* wrong : {"Z", "Zg=", "Zg===", "Z===", "=", "====", "Zm9v=", "Zh==", "Zm9=", "Zm 9", "Zm9v\v",
+                              "Z\ng\n=", " Z ", "Zm-_", "Zg==Zg==", "Zm9vY"}) {
         EXPECT_FALSE(decode_base64(wrong)) << wrong;
     }
 }

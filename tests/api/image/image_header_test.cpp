@@ -45,7 +45,21 @@ TEST(ImageHeader, EstimatesTheMemoryOfTheDecoder) {
     EXPECT_GE(decoder_bytes("runs-8.bmp"), by_rows + 24U * 16U);
     EXPECT_GE(decoder_bytes("lossless.avif"), by_rows + 24U * 16U * 15U);
     EXPECT_GE(decoder_bytes("ramp.avif"), by_rows + 256U * 256U * 30U) << "more than 8 bits need more memory";
+    EXPECT_GE(decoder_bytes("lossless.heic"), by_rows + 24U * 16U * 16U);
+    EXPECT_GE(decoder_bytes("ramp.heic"), by_rows + 256U * 256U * 32U) << "more than 8 bits need more memory";
     EXPECT_GE(decoder_bytes("p3.jpg"), by_rows + fixture("p3.jpg").size() + (32U << 20));
+}
+
+TEST(ImageHeader, NamesHeifsWithoutAPictureInHevc) {
+    std::string other = fixture("lossless.heic");
+    other.replace(other.find("hvc1"), 4, "jpeg");
+    for (const auto& [file, kind] : {std::pair{fixture("track.heic"), "an image sequence without a still picture"},
+                                     std::pair{other, "a picture that is not coded in HEVC (jpeg)"}}) {
+        const auto header = read_image_header(file, kMaxPixels);
+        ASSERT_FALSE(header) << kind;
+        EXPECT_EQ(header.error().code, ErrorCode::Unusable);
+        EXPECT_NE(header.error().message.find(kind), std::string::npos) << header.error().message;
+    }
 }
 
 TEST(ImageHeader, DescribesWhichFrameIsRead) {
@@ -54,6 +68,7 @@ TEST(ImageHeader, DescribesWhichFrameIsRead) {
     EXPECT_EQ(described(fixture("lossless.avif")), "");
     EXPECT_EQ(described(fixture("film.gif")), "the file has 2 frames: the first is used");
     EXPECT_EQ(described(fixture("film.avif")), "the file has 2 frames: the main picture is used");
+    EXPECT_EQ(described(fixture("film.heic")), "the file has 2 frames: the main picture is used");
 }
 
 TEST(ImageHeader, EndsCyclicListsOfPages) {
@@ -67,7 +82,7 @@ TEST(ImageHeader, EndsCyclicListsOfPages) {
 }
 
 TEST(ImageHeader, RefusesTooManyPixels) {
-    for (const auto* name : {"bomb.png", "bomb.webp", "bomb.gif", "bomb.bmp", "bomb.avif"}) {
+    for (const auto* name : {"bomb.png", "bomb.webp", "bomb.gif", "bomb.bmp", "bomb.avif", "bomb.heic"}) {
         const auto header = read_image_header(fixture(name), 64'000'000);
         ASSERT_FALSE(header) << name;
         EXPECT_EQ(header.error().code, ErrorCode::LimitExceeded) << name;
@@ -82,11 +97,8 @@ TEST(ImageHeader, RefusesOtherFormatsByName) {
     using namespace std::string_literals;
     const std::vector<std::pair<std::string, const char*>> others = {
         {"\0\0\0\x18"
-         "ftypheic\0\0\0\0mif1heic"s,
-         "HEIC"},
-        {"\0\0\0\x18"
-         "ftypmif1\0\0\0\0mif1heic"s,
-         "HEIF"},
+         "ftypcrx \0\0\0\1crx isom"s,
+         "a camera's raw file"},
         {"\xff\x0a\x12\x34", "JPEG XL"},
         {"\0\0\0\x0cjP  \r\n\x87\n"s, "JPEG 2000"},
         {"8BPS\0\1"s, "a Photoshop file"},
@@ -94,14 +106,16 @@ TEST(ImageHeader, RefusesOtherFormatsByName) {
         {"<svg xmlns=", "SVG"},
         {"hello", "text"},
         {"BMW and other cars, and a text", "text"},
-        {"\x89PNG\x1a\1", "not an image the server can read"},
+        {"\x89PNG\x1a\1", "a damaged PNG"},
+        {"\x88PNG\x1a\1", "not an image the server can read"},
     };
     for (const auto& [bytes, name] : others) {
         const auto header = read_image_header(bytes, kMaxPixels);
         ASSERT_FALSE(header) << name;
         EXPECT_EQ(header.error().code, ErrorCode::Unsupported) << name;
         EXPECT_NE(header.error().message.find("this is "s + name), std::string::npos) << header.error().message;
-        EXPECT_NE(header.error().message.find("the supported formats are PNG, JPEG, WebP, TIFF, GIF, BMP and AVIF"),
+        EXPECT_NE(header.error().message.find("the supported formats are PNG, JPEG, WebP, TIFF, GIF, BMP, AVIF and "
+                                              "HEIC"),
                   std::string::npos);
     }
     EXPECT_EQ(read_image_header("", kMaxPixels).error().code, ErrorCode::Malformed);
@@ -109,9 +123,9 @@ TEST(ImageHeader, RefusesOtherFormatsByName) {
 
 TEST(ImageHeader, SurvivesFilesTruncatedAnywhere) {
     constexpr std::size_t kLongestSignature = 18;
-    for (const auto* name :
-         {"progressive.jpg", "lossy.webp", "lossless.webp", "orientation-6.webp", "palette.png", "big-endian.tif",
-          "tiled.tif", "grey.gif", "film.gif", "runs-4.bmp", "fields.bmp", "lossless.avif", "film.avif"}) {
+    for (const auto* name : {"progressive.jpg", "lossy.webp", "lossless.webp", "orientation-6.webp", "palette.png",
+                             "big-endian.tif", "tiled.tif", "grey.gif", "film.gif", "runs-4.bmp", "fields.bmp",
+                             "lossless.avif", "film.avif", "lossless.heic", "film.heic"}) {
         const std::string file = fixture(name);
         for (std::size_t size = 1; size < file.size(); ++size) {
             const auto header = read_image_header(std::string_view(file).substr(0, size), kMaxPixels);

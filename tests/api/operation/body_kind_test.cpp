@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -17,6 +19,13 @@ std::string padded(std::string bytes, std::size_t size) {
     return bytes;
 }
 
+/// Returns a binary body without line ends and zeros.
+std::string stripped(std::string_view start) {
+    std::string body(40, '\x01');
+    std::ranges::copy(start, body.begin());
+    return body;
+}
+
 TEST(BodyKind, NamesTheKindOfAFile) {
     const std::vector<std::pair<std::string, std::string>> kinds = {
         {"", "empty"},
@@ -24,7 +33,10 @@ TEST(BodyKind, NamesTheKindOfAFile) {
         {"\x89PNG\r\n\x1a\n", "a picture (PNG)"},
         {"\xff\xd8\xff\xe0", "a picture (JPEG)"},
         {"RIFF....WEBPVP8 ", "a picture (WebP)"},
-        {"....ftypheic", "HEIC"},
+        {"\0\0\0\x0c"
+         "ftypheic"s,
+         "a picture (HEIC)"},
+        {"....ftypmp42", "a video"},
         {"solid cube\nfacet", "a mesh (STL)"},
         {"v 0 0 0\n", "a mesh (OBJ)"},
         {"SOLID cube\nFACET", "a mesh (STL)"},
@@ -33,6 +45,11 @@ TEST(BodyKind, NamesTheKindOfAFile) {
         {"\x1f\x8b\x08", "gzip"},
         {"SQLite format 3\0"s, "an SQLite database"},
         {padded("SQLite format 3", 68) + "GPKG", "a GeoPackage"},
+        {stripped("\x89PNG\x1a"),
+         "a damaged PNG without its line ends and zeros, which curl -d removes from a file (use "
+         "--data-binary)"},
+        {stripped("\xff\xd8\xff\xe0"),
+         "a picture (JPEG) without its line ends and zeros, which curl -d removes from a file (use --data-binary)"},
         {"fgb\x03"
          "fgb\0"s,
          "FlatGeobuf"},

@@ -47,6 +47,12 @@ TEST(Gcode, LowersAndLiftsThePen) {
               "G0 X0 Y0\nM2\n");
 }
 
+TEST(Gcode, StatesDwellsInMilliseconds) {
+    const std::string file = written(write_gcode, {.plotter = {.dwell = 0.0756, .dwell_in_ms = true}});
+    EXPECT_TRUE(file.starts_with("G21\nG90\nM5\nG4 P76\n"));
+    EXPECT_EQ(file.find("P0."), std::string::npos);
+}
+
 TEST(Gcode, HasTheCommandsOfTheMachine) {
     DrawingOptions drawing{.style = DotStyle::Path};
     drawing.plotter = {.speed = 10'000, .dwell = 0, .pen_down = "G1 Z-1 F300|S5", .pen_up = "G0 Z2"};
@@ -58,6 +64,7 @@ TEST(Gcode, HasTheCommandsOfTheMachine) {
 TEST(Dxf, HasALayerForEachPen) {
     const std::string file = written(write_dxf, {});
     EXPECT_TRUE(file.starts_with("0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n"));
+    EXPECT_NE(file.find("9\n$INSUNITS\n70\n4\n9\n$MEASUREMENT\n70\n1\n0\nENDSEC\n"), std::string::npos);
     EXPECT_NE(file.find("0\nLAYER\n2\nPEN1_RED\n70\n0\n62\n1\n6\nCONTINUOUS\n"), std::string::npos);
     EXPECT_NE(file.find("0\nLAYER\n2\nPEN2_BLACK\n70\n0\n62\n7\n6\nCONTINUOUS\n"), std::string::npos);
     EXPECT_TRUE(

@@ -181,6 +181,8 @@ void show_halftones(const Pixels& pixels) {
     print(ccdt::halftone({pixels.width, pixels.height, 1, grey}, 900));
     begin("transparent");
     print(ccdt::halftone({pixels.width, pixels.height, 2, transparent}, 900));
+    begin("linear transparent");
+    print(ccdt::halftone({pixels.width, pixels.height, 2, transparent}, 900, {.alpha = ccdt::Alpha::Linear}));
 
     // The same picture as floats in linear light, and with an opaque alpha.
     std::vector<float> light;

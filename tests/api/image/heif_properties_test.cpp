@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/image/avif_properties.h"
+#include "api/image/heif_properties.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <random>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "tests/api/files.h"
 
@@ -35,11 +37,11 @@ std::string file_of(const std::string& associations, const std::string& properti
 
 std::string names_of(std::string_view file) {
     std::string names;
-    for (const Chunk& property : avif_properties(file)) names += std::string(property.name) + ' ';
+    for (const Chunk& property : heif_properties(file)) names += std::string(property.name) + ' ';
     return names;
 }
 
-TEST(AvifProperties, BelongToThePrimaryItem) {
+TEST(HeifProperties, BelongToThePrimaryItem) {
     EXPECT_EQ(names_of(fixture("lossless.avif")), "ispe pixi av1C colr ");
     EXPECT_EQ(names_of(fixture("rgba.avif")).find("auxC"), std::string::npos);
     const std::string properties = box("aaaa", "1") + box("bbbb", "2") + box("cccc", "3");
@@ -49,12 +51,12 @@ TEST(AvifProperties, BelongToThePrimaryItem) {
     EXPECT_EQ(names_of(file_of(number(0, 4) + number(1, 4) + first, properties)), "");
 }
 
-TEST(AvifProperties, AcceptWideNumbers) {
+TEST(HeifProperties, AcceptWideNumbers) {
     const std::string associations = number(0x0100'0001, 4) + number(1, 4) + number(2, 4) + "\1"s + number(0x8002, 2);
     EXPECT_EQ(names_of(file_of(associations, box("aaaa", "1") + box("bbbb", "2"))), "bbbb ");
 }
 
-TEST(AvifProperties, AreMissingIfTheFileIsInconsistent) {
+TEST(HeifProperties, AreMissingIfTheFileIsInconsistent) {
     const std::string most = number(0xFFFF'FFFF, 4);
     EXPECT_EQ(names_of(file_of(number(0, 4) + most + number(2, 2) + "\xff\1"s, box("aaaa", "1"))), "aaaa ");
     EXPECT_EQ(names_of(file_of(number(0, 4) + most, box("aaaa", "1"))), "");
@@ -63,15 +65,16 @@ TEST(AvifProperties, AreMissingIfTheFileIsInconsistent) {
     EXPECT_EQ(names_of(number(7, 4) + "meta"), "") << "the box is smaller than its header";
 }
 
-TEST(AvifProperties, StayWithinDamagedFiles) {
+TEST(HeifProperties, StayWithinDamagedFiles) {
     std::mt19937 random(3);
-    for (const auto* name : {"rgba.avif", "tiles.avif", "film.avif"}) {
+    for (const auto* name : {"rgba.avif", "tiles.avif", "film.avif", "tiles.heic", "film.heic"}) {
         const std::string file = fixture(name).substr(0, 700);
         for (int round = 0; round < 5000; ++round) {
             std::string damaged = file.substr(0, 1 + random() % file.size());
             for (unsigned i = 0; i < random() % 4; ++i)
                 damaged[random() % damaged.size()] = static_cast<char>(random() % 256);
-            for (const Chunk& property : avif_properties(damaged)) {
+            for (const std::string_view type : heif_item_types(damaged)) ASSERT_EQ(type.size(), 4U);
+            for (const Chunk& property : heif_properties(damaged)) {
                 ASSERT_GE(property.data.data(), damaged.data());
                 ASSERT_LE(property.data.data() + property.data.size(), damaged.data() + damaged.size());
             }
@@ -79,7 +82,20 @@ TEST(AvifProperties, StayWithinDamagedFiles) {
     }
 }
 
-TEST(AvifBrand, IsFoundInAnyPosition) {
+TEST(HeifItemTypes, AreThoseOfAllItems) {
+    using Types = std::vector<std::string_view>;
+    const std::string tiles = fixture("tiles.heic"), grey = fixture("grey.avif");
+    EXPECT_EQ(heif_item_types(tiles), (Types{"grid", "hvc1", "hvc1"}));
+    EXPECT_EQ(heif_item_types(grey), Types{"av01"});
+    EXPECT_EQ(heif_item_types(fixture("track.heic")), Types{});
+    const std::string wide = number(0x0300'0000, 4) + number(1, 4) + number(0, 2) + "jpeg"s,
+                      odd = "\2\0\0\0\0\1\0\0\xff\n\0."s;
+    const std::string list = box("iinf", number(0x0100'0000, 4) + number(2, 4) + box("infe", wide) + box("infe", odd));
+    const std::string file = box("ftyp", "mif1"s + number(0, 4)) + box("meta", number(0, 4) + list);
+    EXPECT_EQ(heif_item_types(file), Types{"jpeg"});
+}
+
+TEST(HeifBrand, IsFoundInAnyPosition) {
     EXPECT_TRUE(is_avif(box("ftyp", "avif"s + number(0, 4))));
     EXPECT_TRUE(is_avif(box("ftyp", "avis"s + number(0, 4))));
     EXPECT_TRUE(is_avif(box("ftyp", "mif1"s + number(0, 4) + "miafavif")));
@@ -87,6 +103,10 @@ TEST(AvifBrand, IsFoundInAnyPosition) {
     EXPECT_FALSE(is_avif(box("ftyp", "heic"s + number(0, 4) + "mif1heic")));
     EXPECT_FALSE(is_avif(box("ftyp", "heic"s + number(0, 4)) + "avif")) << "the name is outside the box";
     EXPECT_FALSE(is_avif(fixture("grey.gif")));
+    EXPECT_TRUE(is_heic(fixture("lossless.heic")));
+    EXPECT_TRUE(is_heic(box("ftyp", "mif1"s + number(0, 4))));
+    EXPECT_FALSE(is_heic(fixture("lossless.avif")));
+    EXPECT_FALSE(is_heic(box("ftyp", "isom"s + number(0, 4) + "mp42")));
 }
 
 TEST(MediaBox, ReadsAllThreeKindsOfSize) {

@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/image/avif_properties.h"
+#include "api/image/heif_properties.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 namespace ccdt::api {
 namespace {
 
 constexpr std::size_t kVersion = 4;  ///< size of the version and flags at the beginning of some boxes
+
+bool is_letter_or_digit(char c) {
+    return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
+}
 
 std::optional<Chunk> find_box(std::string_view bytes, std::string_view name) {
     auto box = media_box(bytes, 0);
@@ -59,21 +65,56 @@ std::vector<std::uint32_t> numbers_of(std::string_view associations, std::uint32
     return numbers;
 }
 
-}  // namespace
-
-bool is_avif(std::string_view bytes) {
-    constexpr std::size_t kName = 4;
-    const auto box = media_box(bytes, 0);
-    if (!box || box->name != "ftyp") return false;
-    for (std::size_t at = 0; at + kName <= box->data.size(); at += kName) {
-        const std::string_view brand = box->data.substr(at, kName);
-        const bool is_brand = at != kName;  // the second field is a version number, not a brand
-        if (is_brand && (brand == "avif" || brand == "avis")) return true;
+/// Returns whether the first box of a file, which may be truncated, lists one of the brands.
+bool has_brand(std::string_view bytes, std::span<const std::string_view> brands) {
+    constexpr std::size_t kName = 4, kBrands = 8, kMinorVersion = 12;
+    if (bytes.substr(0, kBrands).substr(std::min(kName, bytes.size())) != "ftyp") return false;
+    const std::size_t end = std::min<std::size_t>(ByteReader(bytes, true).read(0, 4).value_or(0), bytes.size());
+    for (std::size_t at = kBrands; at + kName <= end; at += kName) {
+        const std::string_view brand = bytes.substr(at, kName);
+        const bool is_brand = at != kMinorVersion;
+        if (is_brand && std::ranges::find(brands, brand) != brands.end()) return true;
     }
     return false;
 }
 
-std::uint64_t avif_frames(std::string_view bytes) {
+/// Returns the contents of the box that describes the items; empty if there is none.
+std::string_view find_meta(std::string_view bytes) {
+    const auto meta = find_box(bytes, "meta");
+    return meta ? meta->data.substr(std::min(kVersion, meta->data.size())) : std::string_view();
+}
+
+}  // namespace
+
+bool is_avif(std::string_view bytes) {
+    constexpr auto kBrands = std::to_array<std::string_view>({"avif", "avis"});
+    return has_brand(bytes, kBrands);
+}
+
+bool is_heic(std::string_view bytes) {
+    constexpr auto kBrands = std::to_array<std::string_view>(
+        {"heic", "heix", "heim", "heis", "hevc", "hevx", "hevm", "hevs", "mif1", "msf1"});
+    return !is_avif(bytes) && has_brand(bytes, kBrands);
+}
+
+std::vector<std::string_view> heif_item_types(std::string_view bytes) {
+    constexpr std::size_t kType = 4;
+    const auto list = find_box(find_meta(bytes), "iinf");
+    if (!list) return {};
+    std::vector<std::string_view> types;
+    const bool is_old = ByteReader(list->data, true).read(0, 1) == 0U;
+    const std::size_t head = kVersion + (is_old ? 2 : 4);  // the number of items is ignored
+    for (auto box = media_box(list->data, head); box; box = media_box(list->data, box->end)) {
+        const auto version = ByteReader(box->data, true).read(0, 1).value_or(0);
+        const std::size_t at = kVersion + (version == 2 ? 4 : 6);  // after the number of the item and two more bytes
+        if (version < 2 || box->data.size() < at + kType) continue;
+        const std::string_view type = box->data.substr(at, kType);
+        if (std::ranges::all_of(type, is_letter_or_digit)) types.push_back(type);
+    }
+    return types;
+}
+
+std::uint64_t heif_frames(std::string_view bytes) {
     std::string_view inside = bytes;
     for (const char* const name : {"moov", "trak", "mdia", "minf", "stbl", "stsz"}) {
         const auto box = find_box(inside, name);
@@ -83,10 +124,8 @@ std::uint64_t avif_frames(std::string_view bytes) {
     return ByteReader(inside, true).read(kVersion + 4, 4).value_or(0);
 }
 
-std::vector<Chunk> avif_properties(std::string_view bytes) {
-    const auto meta = find_box(bytes, "meta");
-    if (!meta) return {};
-    const std::string_view inside = meta->data.substr(std::min(kVersion, meta->data.size()));
+std::vector<Chunk> heif_properties(std::string_view bytes) {
+    const std::string_view inside = find_meta(bytes);
     const auto item = primary_item(inside);
     const auto properties = find_box(inside, "iprp");
     const auto container = properties ? find_box(properties->data, "ipco") : std::nullopt;

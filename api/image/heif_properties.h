@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "api/image/containers.h"
+
+namespace ccdt::api {
+
+/// Returns whether the first box of a file declares an AVIF, still or animated.
+bool is_avif(std::string_view bytes);
+
+/// Returns whether the first box of a file declares a HEIF other than an AVIF. Its pictures are usually coded in HEVC.
+bool is_heic(std::string_view bytes);
+
+/// Finds the properties of the primary item of a HEIF file, such as an AVIF. This item is the picture that the file
+/// shows. Properties are boxes such as ispe (size), pixi (bits) and colr (colours). The result is empty if the file is
+/// broken or ends too early. O(bytes). Source: HEIF (ISO/IEC 23008-12), 6 and 9.3.
+std::vector<Chunk> heif_properties(std::string_view bytes);
+
+/// Returns the types of the items of a HEIF file, such as hvc1 (a picture in HEVC) and grid. Types are of four letters
+/// or digits; others are left out. Source: ISO/IEC 14496-12, 8.11.6.
+std::vector<std::string_view> heif_item_types(std::string_view bytes);
+
+/// Returns the number of frames in the first track of a HEIF file; 0 if the file has no track.
+/// Source: ISO/IEC 14496-12, 8.7.3.
+std::uint64_t heif_frames(std::string_view bytes);
+
+}  // namespace ccdt::api
