@@ -23,8 +23,8 @@ bool has_narrow_places(const Triangulation& mesh);
 /// Divides the domain into triangles that are small compared with the spacing, and finds the connected sets of them
 /// that are narrow. In each set with at least three sites, distributes the sites anew: first at equal steps of capacity
 /// along a walk through the triangles, then by Lloyd's algorithm, with distances measured in capacities along the
-/// triangles. So sites get equal capacities also at forks and in rings. The sites of a set stay where they are if they
-/// would be considerably more crowded, by each other or by other sites, than before.
+/// triangles. So sites get about equal capacities, also at forks and in rings. The sites of a set stay where they are
+/// if they would be considerably more crowded, by each other or by other sites, than before.
 ///
 /// @param domain  not a torus
 /// @param sites   in the unit frame; sites in narrow places move
