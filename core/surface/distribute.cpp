@@ -85,7 +85,9 @@ private:
         sites.insert(sites.end(), fixed.begin(), fixed.end());
         if (stopping()) return;
         const auto creases = choose_crease_vertices(surface_, spacings_at_vertices(), options_.sites);
-        mesh_.emplace(surface_, std::move(sites), fixed.size(), creases, *control_.executor, control_.stop);
+        mesh_.emplace(
+            surface_, std::move(sites), fixed.size(), [this](const SurfacePoint& p) { return spacing(p, capacity_); },
+            creases, *control_.executor, control_.stop);
     }
 
     double spacing(const SurfacePoint& point, double capacity) const {

@@ -2,7 +2,9 @@
 #include "core/surface/site_masses.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <limits>
 
 #include "core/surface/face_pieces.h"
 
@@ -37,22 +39,28 @@ SiteMasses::SiteMasses(const Surface& surface, const SurfaceDensity& density, do
                 begin = pieces_.size();
             }
             const double piece = area * density.at(at);
-            if (piece > 0) pieces_.push_back({surface.place(at), piece, f, kNone});
+            if (piece > 0) pieces_.push_back({at, piece, kNone});
         });
         reverse();
     }
 }
 
-/// Returns a triangle for each face at which a search can begin: a triangle at a site on the nearest face that has
-/// sites. Distances between faces are counted in edges that are not creases.
+/// Returns a triangle for each face at which a search can begin: a triangle at the innermost site on the nearest face
+/// that has sites. Distances between faces are counted in edges that are not creases.
 std::vector<std::uint32_t> SiteMasses::first_triangles(const SurfaceTriangulation& mesh) {
     const Surface& surface = mesh.surface();
     std::vector<std::uint32_t> near(surface.face_count(), kNone), reached;
+    std::vector<double> most(surface.face_count(), 0);
     for (std::uint32_t v = 0; v < mesh.site_count(); ++v) {
-        const std::uint32_t face = mesh.on_surface(v).face;
-        if (near[face] != kNone) continue;
+        const auto& [face, weights] = mesh.on_surface(v);
+        const double inside = std::ranges::min(weights);
+        if (near[face] == kNone) {
+            reached.push_back(face);
+        } else if (inside <= most[face]) {
+            continue;
+        }
+        most[face] = inside;
         near[face] = SurfaceTriangulation::triangle_of(mesh.edge_of(v));
-        reached.push_back(face);
     }
     for (std::size_t i = 0; i < reached.size(); ++i) {
         for (std::uint32_t k = 0; k < 3; ++k) {
@@ -65,59 +73,90 @@ std::vector<std::uint32_t> SiteMasses::first_triangles(const SurfaceTriangulatio
     return near;
 }
 
-/// Walks to the triangle above a piece. Returns the shares of its corners. The corners beyond a sharp edge are unfolded
-/// into the plane of the piece.
-SiteMasses::Located SiteMasses::locate(const SurfaceTriangulation& mesh, Piece& piece) {
-    constexpr int kMaxSteps = 256;  // a walk on a bent surface may not end
-    const Point3 face_normal = mesh.surface().normal(piece.face);
-    std::array<double, 3> shares{};
-    int beyond = 0;        // corners beyond a sharp edge
-    bool is_lost = false;  // the walk may have lost its way across a sharp edge
-    std::uint32_t from = kNone;
-    for (int step = 0;; ++step) {
-        const auto& corners = mesh.corners(piece.triangle);
-        std::array<Point3, 3> places;
-        beyond = 0;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const Point3 normal = mesh.face_normal(corners[k]);
-            places[k] = mesh.point(corners[k]) - piece.place;
-            if (!mesh.is_site(corners[k]) || !is_sharp(face_normal, normal)) continue;
-            places[k] = unfolded(places[k], face_normal, normal);
-            ++beyond;
-        }
-        const auto& [a, b, c] = places;
-        const Point3 normal = beyond > 0 ? face_normal : cross(b - a, c - a);
-        shares = {dot(cross(b, c), normal), dot(cross(c, a), normal), dot(cross(a, b), normal)};
-        const auto least = static_cast<std::uint32_t>(std::ranges::min_element(shares) - shares.begin());
-        const std::uint32_t twin = mesh.twin(SurfaceTriangulation::edge(piece.triangle, (least + 1) % 3));
-        is_lost = beyond == 3 || (beyond > 0 && shares[least] < 0) || step == kMaxSteps;
-        if (shares[least] >= 0 || twin == kNone || twin / 4 == from || step == kMaxSteps) break;
-        from = piece.triangle;
-        piece.triangle = twin / 4;
+SiteMasses::View SiteMasses::view(const SurfaceTriangulation& mesh, const SurfacePoint& at, Point3 place,
+                                  std::uint32_t triangle) {
+    const Point3 face_normal = mesh.surface().normal(at.face);
+    View view;
+    const auto& corners = mesh.corners(triangle);
+    std::array<Point3, 3> places;
+    int beyond = 0;  // corners beyond a sharp edge
+    for (std::size_t k = 0; k < 3; ++k) {
+        places[k] = mesh.point(corners[k]) - place;
+        view.squared_distance = std::min(view.squared_distance, dot(places[k], places[k]));
+        if (!mesh.has_sharp_edges() || !mesh.is_site(corners[k])) continue;
+        if (!is_sharp(face_normal, mesh.face_normal(corners[k]))) continue;
+        places[k] = mesh.unfolded_toward(at, places[k], corners[k]).value_or(places[k]);
+        ++beyond;
     }
-    for (double& share : shares) share = std::max(share, 0.0);
-    const double sum = shares[0] + shares[1] + shares[2];
-    if (!(sum > 0)) return {{1.0 / 3, 1.0 / 3, 1.0 / 3}, is_lost};
-    return {{shares[0] / sum, shares[1] / sum, shares[2] / sum}, is_lost};
+    const auto& [a, b, c] = places;
+    const Point3 own_normal = cross(b - a, c - a), normal = beyond > 0 ? face_normal : own_normal;
+    view.shares = {dot(cross(b, c), normal), dot(cross(c, a), normal), dot(cross(a, b), normal)};
+    const double scale = std::abs(view.shares[0]) + std::abs(view.shares[1]) + std::abs(view.shares[2]);
+    for (double& share : view.shares) share = scale > 0 ? share / scale : 1.0 / 3;
+    view.is_lost = beyond == 3 || view.least() < 0 || (beyond == 0 && !(dot(own_normal, face_normal) > 0));
+    return view;
+}
+
+/// Walks to the triangle above a piece. Where the triangles do not follow the surface, a walk may not end. Then the
+/// piece is in the visited triangle from which it is least outside.
+SiteMasses::View SiteMasses::locate(const SurfaceTriangulation& mesh, Piece& piece) {
+    constexpr int kMaxSteps = 8;  // that come no nearer; a vertex has about six triangles
+    const Point3 place = mesh.surface().place(piece.at);
+    View best;
+    double nearest = std::numeric_limits<double>::infinity();
+    std::uint32_t next = piece.triangle;
+    for (int steps = 0; next != kNone && steps < kMaxSteps && best.least() < 0; ++steps) {
+        const View now = view(mesh, piece.at, place, next);
+        if (now.least() > best.least()) {
+            best = now;
+            piece.triangle = next;
+        }
+        if (now.squared_distance < nearest) {
+            nearest = now.squared_distance;
+            steps = 0;
+        }
+        const auto out = static_cast<std::uint32_t>(std::ranges::min_element(now.shares) - now.shares.begin());
+        next = mesh.twin(SurfaceTriangulation::edge(next, (out + 1) % 3));
+        if (next != kNone) next /= 4;
+    }
+    return best;
 }
 
 std::vector<double> SiteMasses::measure(const SurfaceTriangulation& mesh) {
     if (!is_located_) first_ = first_triangles(mesh);
     std::vector<std::array<double, 3>> shares(pieces_.size());
     for_ranges(mesh.executor(), pieces_.size(), kPieces, [&](std::size_t begin, std::size_t end) {
+        std::uint32_t start = kNone;  // the triangle above an earlier piece of the same face
+        std::uint32_t lost = 0;       // pieces since then that were not found
         for (std::size_t i = begin; i < end; ++i) {
             Piece& piece = pieces_[i];
-            // A large face may have many sites, so that a search begins at the previous piece.
-            const bool is_next = i > begin && piece.face == pieces_[i - 1].face;
-            if (!is_located_) piece.triangle = is_next ? pieces_[i - 1].triangle : first_[piece.face];
-            if (piece.triangle == kNone) continue;
-            Located located = locate(mesh, piece);
-            for (const std::uint32_t start : {is_next ? pieces_[i - 1].triangle : kNone, first_[piece.face]}) {
-                if (!located.is_lost || start == kNone) continue;
-                piece.triangle = start;
-                located = locate(mesh, piece);
+            const bool is_first = i == begin || piece.at.face != pieces_[i - 1].at.face;
+            if (is_first) {
+                start = first_[piece.at.face];
+                lost = 0;
             }
-            shares[i] = located.shares;
+            if (start == kNone) continue;
+            if (!is_located_) piece.triangle = is_first ? start : pieces_[i - 1].triangle;
+            View found = locate(mesh, piece);
+            // On a thin tube, nearly all pieces are lost. So searches are repeated less and less often.
+            const bool is_repeated = found.is_lost && std::has_single_bit(++lost);
+            for (const std::uint32_t other : {start, first_[piece.at.face]}) {
+                if (!is_repeated || !found.is_lost) break;
+                Piece again = piece;
+                again.triangle = other;
+                const View now = locate(mesh, again);
+                if (now.is_lost && now.least() <= found.least()) continue;
+                found = now;
+                piece.triangle = again.triangle;
+            }
+            if (!found.is_lost) {
+                start = piece.triangle;
+                lost = 0;
+            }
+            shares[i] = found.shares;
+            double sum = 0;
+            for (double& share : shares[i]) sum += share = std::max(share, 0.0);
+            for (double& share : shares[i]) share = sum > 0 ? share / sum : 1.0 / 3;
         }
     });
     is_located_ = true;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "core/surface/surface.h"
@@ -34,19 +36,23 @@ public:
 
 private:
     struct Piece {
-        Point3 place;
+        SurfacePoint at;
         double mass = 0;
-        std::uint32_t face = 0;
         std::uint32_t triangle = SurfaceTriangulation::kNone;  ///< kNone in a component without sites
     };
 
-    struct Located {
-        std::array<double, 3> shares;  ///< of the corners of the triangle above a piece
-        bool is_lost;                  ///< whether the triangle may be a wrong one, beyond a sharp edge
+    /// A triangle as seen from a piece: its corners beyond sharp edges are unfolded.
+    struct View {
+        std::array<double, 3> shares{-1, -1, -1};  ///< barycentric coordinates of the piece, up to a factor
+        double squared_distance = std::numeric_limits<double>::infinity();  ///< of the nearest corner, in space
+        bool is_lost = true;  ///< whether the triangle may be a wrong one: the piece is outside, or the normals differ
+
+        double least() const { return std::min({shares[0], shares[1], shares[2]}); }
     };
 
     static std::vector<std::uint32_t> first_triangles(const SurfaceTriangulation& mesh);
-    static Located locate(const SurfaceTriangulation& mesh, Piece& piece);
+    static View view(const SurfaceTriangulation& mesh, const SurfacePoint& at, Point3 place, std::uint32_t triangle);
+    static View locate(const SurfaceTriangulation& mesh, Piece& piece);
 
     std::vector<Piece> pieces_;
     std::vector<std::uint32_t> first_;  ///< [faces] first_triangles() before the pieces were located

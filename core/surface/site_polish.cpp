@@ -19,6 +19,9 @@ namespace {
 
 constexpr std::uint32_t kNone = SurfaceTriangulation::kNone;
 constexpr std::size_t kSites = 1024;  ///< sites per task
+/// Least distance in space of two sites beside a sharp edge that is not very acute, relative to the hexagonal distance,
+/// and the reach of pushes that achieves it. A greater distance makes capacities less equal.
+constexpr double kLeastStraight = 0.62, kStraightReach = 0.7;
 
 /// Averages the errors of sites with those of their neighbours a few times. Keeps the sum of the errors.
 void smooth(const SurfaceTriangulation& mesh, std::span<double> errors) {
@@ -59,9 +62,13 @@ void SitePolish::measure_spacings() {
     });
 }
 
+/// Whether two sites keep kStraightReach apart in space: any sharp edge between them is not very acute.
+bool SitePolish::keep_apart(std::uint32_t a, std::uint32_t b) const {
+    constexpr double kLeastCosine = -0.5;
+    return dot(mesh_.face_normal(a), mesh_.face_normal(b)) >= kLeastCosine;
+}
+
 void SitePolish::push(const Push& push) {
-    // Where an edge is sharp but not very acute, sites on its two sides also keep apart in space.
-    constexpr double kStraightReach = 0.7, kLeastCosine = -0.5;
     measure_spacings();
     const auto pushed = [&](std::uint32_t v, std::uint32_t other, Point3 toward, double reach) {
         const double wanted = 0.5 * reach * hexagonal_spacing(1) * (spacings_[v] + spacings_[other]);
@@ -72,9 +79,7 @@ void SitePolish::push(const Push& push) {
     const auto moved_away = [&](std::uint32_t v, std::uint32_t other) {
         const Point3 straight = mesh_.point(other) - mesh_.point(v), toward = mesh_.toward(v, other);
         const Point3 move = pushed(v, other, toward, push.reach);
-        if (move != Point3{} || toward == straight ||
-            dot(mesh_.face_normal(v), mesh_.face_normal(other)) < kLeastCosine)
-            return move;
+        if (move != Point3{} || toward == straight || !keep_apart(v, other)) return move;
         return pushed(v, other, straight, std::min(push.reach, kStraightReach));
     };
     for_ranges(mesh_.executor(), moves_.size(), kSites, [&](std::size_t begin, std::size_t end) {
@@ -159,8 +164,9 @@ bool SitePolish::is_any_nearer(double least) {
                 // The site with the larger spacing, and so with the longer reach, lists the pair.
                 const bool lists = std::pair(spacings_[v], v) > std::pair(spacings_[other], other);
                 const auto [a, b] = std::minmax(v, other);
-                if (lists && mesh_.is_free(a) && !is_sharp(normal, mesh_.face_normal(other)))
-                    found[begin / kSites].push_back({{a, b}, distance});
+                const bool near = !is_sharp(normal, mesh_.face_normal(other)) ||
+                                  (distance < kLeastStraight * hexagonal_spacing(1) && keep_apart(v, other));
+                if (lists && mesh_.is_free(a) && near) found[begin / kSites].push_back({{a, b}, distance});
                 return ++pairs < kMostPairs;
             });
         }
@@ -214,6 +220,7 @@ void SitePolish::separate(double least) {
     if (++separations_ % 2 == 0) return;  // pushes move relocated sites away from their new neighbours
     std::vector<NearPair> stuck;
     for (const NearPair& pair : near_) {
+        if (is_sharp(mesh_.face_normal(pair.sites[0]), mesh_.face_normal(pair.sites[1]))) continue;
         const auto before = std::ranges::lower_bound(before_, pair.sites, {}, &NearPair::sites);
         const bool was_near = before != before_.end() && before->sites == pair.sites;
         if (pair.distance < kStuck * least * hexagonal_spacing(1) ||

@@ -59,6 +59,7 @@ private:
     };
 
     std::vector<std::uint32_t> wide_triangles(std::uint32_t site) const;
+    bool keep_apart(std::uint32_t a, std::uint32_t b) const;
     void measure_spacings();
     void apply();
 

@@ -276,20 +276,31 @@ Point3 Surface::from_input(Point3 p) const {
 }
 
 SurfacePoint Surface::trace(const SurfacePoint& from, Point3 move) const {
-    if (const auto to = moved_in_face(from, move)) return *to;
+    return follow(from, move, kMaxSteps).first;
+}
+
+std::optional<SurfacePoint> Surface::trace_within(const SurfacePoint& from, Point3 move, int most) const {
+    const auto [to, is_whole] = follow(from, move, most);
+    if (!is_whole) return std::nullopt;
+    return to;
+}
+
+/// Follows a line over at most `most` edges. Returns its end, and whether the line was followed to its end, border or
+/// crease.
+std::pair<SurfacePoint, bool> Surface::follow(const SurfacePoint& from, Point3 move, int most) const {
+    if (const auto to = moved_in_face(from, move)) return {*to, true};
     const double size = largest(move);
-    if (!(size > 0) || !is_finite(move)) return from;
+    if (!(size > 0) || !is_finite(move)) return {from, true};
     const Point3 direction = 1 / size * move;
     Walk walk{.face = from.face, .left = size * length(direction), .entry = from.weights};
-    if (!begin_walk(walk, direction)) return from;
+    if (!begin_walk(walk, direction)) return {from, true};
     for (int step = 0; walk.left > walk.distance; ++step) {
-        if (is_crease(4 * walk.face + walk.exit) || step == kMaxSteps) {
-            return {walk.face, inset(walk.exit_weights(), kInset)};
-        }
+        const bool ends = is_crease(4 * walk.face + walk.exit);
+        if (ends || step == most) return {{walk.face, inset(walk.exit_weights(), kInset)}, ends};
         walk.left -= walk.distance;
         cross_edge(walk);
     }
-    return {walk.face, mixed(walk.entry, walk.exit_weights(), walk.left / walk.distance)};
+    return {{walk.face, mixed(walk.entry, walk.exit_weights(), walk.left / walk.distance)}, true};
 }
 
 /// Follows a line that ends in its first face, as most short ones do. Returns none if the line leaves the face, or if

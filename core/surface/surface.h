@@ -9,6 +9,7 @@
 #include <span>
 #include <stop_token>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/point3.h"
@@ -120,6 +121,8 @@ public:
     ///
     /// O(faces crossed), at most kMaxSteps.
     SurfacePoint trace(const SurfacePoint& from, Point3 move) const;
+    /// Returns the same point if the line crosses at most `most` edges; otherwise none.
+    std::optional<SurfacePoint> trace_within(const SurfacePoint& from, Point3 move, int most) const;
 
     /// Returns the point of the surface that is nearest to p, in the unit frame. Faces without area do not count.
     /// @param p  may be infinite, but not NaN
@@ -155,6 +158,7 @@ private:
         return faces_[face].links.flat ? 0 : 2 * faces_[face].area / base;
     }
     std::optional<SurfacePoint> moved_in_face(const SurfacePoint& from, Point3 move) const;
+    std::pair<SurfacePoint, bool> follow(const SurfacePoint& from, Point3 move, int most) const;
     bool begin_walk(Walk& walk, Point3 direction) const;
     void cross_edge(Walk& walk) const;
     void measure_faces();

@@ -2,6 +2,8 @@
 #include "core/surface/surface_triangulation.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -134,6 +136,7 @@ private:
 }  // namespace
 
 SurfaceTriangulation::SurfaceTriangulation(const Surface& surface, std::vector<SurfacePoint> sites, std::size_t fixed,
+                                           const std::function<double(const SurfacePoint&)>& spacing,
                                            const CreaseVertices& creases, Executor& executor,
                                            const std::stop_token& stop)
     : surface_(&surface),
@@ -141,6 +144,11 @@ SurfaceTriangulation::SurfaceTriangulation(const Surface& surface, std::vector<S
       sites_(sites.size()),
       blocks_(sites.size() - fixed),
       points_(std::move(sites)) {
+    // In spacings. Longer lines around the end of a needle are not the shortest ones.
+    constexpr double kReach = 3;
+    if (ccdt::has_sharp_edges(surface)) {
+        for (const SurfacePoint& site : points_) reaches_.push_back(kReach * spacing(site));
+    }
     copy_faces();
     insert_sites(split_creases(creases), stop);
     if (stop.stop_requested()) return;
@@ -274,14 +282,36 @@ std::size_t SurfaceTriangulation::legalise(std::size_t most, const std::stop_tok
     return flips;
 }
 
-/// Whether the angles opposite to an edge add up to more than 180 degrees.
+/// Squared length of an edge on the surface; infinite if the unfolded edge is unknown.
+double SurfaceTriangulation::squared_length(std::uint32_t a, std::uint32_t b) const {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    const auto [from, to] = std::minmax(a, b);
+    const Point3 straight = places_[to] - places_[from];
+    if (!is_sharp_between(from, to)) return dot(straight, straight);
+    const auto flat = unfolded(*surface_, points_[from], straight, points_[to].face, kInfinity);
+    return flat ? dot(*flat, *flat) : kInfinity;
+}
+
+/// Whether the angles opposite to an edge add up to more than 180 degrees. Beside sharp edges, where the angles in
+/// space mean nothing and those of unfolded triangles contradict each other: whether the flip makes the edge shorter on
+/// the surface. So flips end.
 bool SurfaceTriangulation::wants_flip(std::uint32_t edge) const {
     constexpr double kTolerance = 1e-9;  // of the sine of the sum; prevents endless flips of four points on a circle
-    const Point3 a = places_[links_.origin(edge)], b = places_[links_.target(edge)];
-    const Point3 c = places_[links_.apex(edge)], d = places_[links_.apex(links_.twin(edge))];
-    const double cos_c = dot(a - c, b - c), cos_d = dot(a - d, b - d);
+    const std::uint32_t a = links_.origin(edge), b = links_.target(edge);
+    const std::uint32_t c = links_.apex(edge), d = links_.apex(links_.twin(edge));
+    if (!reaches_.empty()) {
+        const std::array<std::pair<std::uint32_t, std::uint32_t>, 6> pairs{
+            {{a, b}, {c, d}, {a, c}, {b, d}, {b, c}, {a, d}}};
+        if (std::ranges::any_of(pairs, [&](const auto& pair) { return is_sharp_between(pair.first, pair.second); })) {
+            const double now = squared_length(a, b), after = squared_length(c, d);
+            if (std::isfinite(std::min(now, after))) return after < (1 - kTolerance) * now;
+        }
+    }
+    const Point3 ca = places_[a] - places_[c], cb = places_[b] - places_[c];
+    const Point3 da = places_[a] - places_[d], db = places_[b] - places_[d];
+    const double cos_c = dot(ca, cb), cos_d = dot(da, db);
     if (cos_c >= 0 && cos_d >= 0) return false;
-    const double sin_c = length(cross(a - c, b - c)), sin_d = length(cross(a - d, b - d));
+    const double sin_c = length(cross(ca, cb)), sin_d = length(cross(da, db));
     const double scale = std::sqrt((sin_c * sin_c + cos_c * cos_c) * (sin_d * sin_d + cos_d * cos_d));
     return cos_c * sin_d + cos_d * sin_c < -kTolerance * scale;
 }
@@ -292,10 +322,13 @@ bool SurfaceTriangulation::allows_flip(std::uint32_t edge) const {
     const std::uint32_t twin = links_.twin(edge);
     const std::uint32_t third = links_.apex(edge), fourth = links_.apex(twin);
     if (third == fourth) return false;
-    const Point3 a = places_[links_.origin(edge)], b = places_[links_.target(edge)];
-    const Point3 c = places_[third], d = places_[fourth];
-    const Point3 normal = cross(b - a, c - a) + cross(a - b, d - b);
-    if (!(dot(cross(d - a, c - a), normal) > 0) || !(dot(cross(c - b, d - b), normal) > 0)) return false;
+    const std::uint32_t a = links_.origin(edge), b = links_.target(edge);
+    // Seen from an end of the edge, whether its neighbours keep their order.
+    const auto is_convex = [&](std::uint32_t end, std::uint32_t left, std::uint32_t middle, std::uint32_t right) {
+        const Point3 x = toward(end, left), y = toward(end, middle), z = toward(end, right);
+        return dot(cross(x, z), cross(x, y) + cross(y, z)) > 0;
+    };
+    if (!is_convex(a, fourth, b, third) || !is_convex(b, third, a, fourth)) return false;
     return !links_.are_joined(third, fourth);
 }
 

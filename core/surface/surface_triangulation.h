@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <stop_token>
@@ -31,11 +32,13 @@ public:
     /// @param surface  must outlive this object
     /// @param sites    numbered along a space-filling curve; followed by fixed sites
     /// @param fixed    number of fixed sites
+    /// @param spacing  returns the wanted distance of sites at a point
     /// @param creases  vertices along borders and creases
     /// @param stop     polled regularly; after a stop the object must not be used
     /// O(n log n) for n = sites + faces.
     SurfaceTriangulation(const Surface& surface, std::vector<SurfacePoint> sites, std::size_t fixed,
-                         const CreaseVertices& creases, Executor& executor, const std::stop_token& stop = {});
+                         const std::function<double(const SurfacePoint&)>& spacing, const CreaseVertices& creases,
+                         Executor& executor, const std::stop_token& stop = {});
 
     const Surface& surface() const { return *surface_; }
     Executor& executor() const { return *executor_; }
@@ -46,6 +49,8 @@ public:
     std::size_t vertex_count() const { return places_.size(); }
     std::size_t triangle_count() const { return links_.triangle_count(); }
     bool is_site(std::uint32_t vertex) const { return vertex < sites_; }
+    /// Whether the surface has sharp edges.
+    bool has_sharp_edges() const { return !reaches_.empty(); }
     bool is_free(std::uint32_t vertex) const { return vertex < blocks_.sites(); }
 
     static std::uint32_t edge(std::uint32_t triangle, std::uint32_t number) { return 4 * triangle + number; }
@@ -71,8 +76,17 @@ public:
     /// Other vertices lie on borders and creases, so straight lines to them stay on the surface.
     Point3 toward(std::uint32_t from, std::uint32_t to) const {
         const Point3 straight = places_[to] - places_[from];
-        if (!is_sharp(face_normals_[from], face_normals_[to]) || !is_site(from) || !is_site(to)) return straight;
-        return unfolded(straight, face_normals_[from], face_normals_[to]);
+        if (!is_sharp_between(from, to)) return straight;
+        return unfolded_toward(points_[from], straight, to).value_or(straight);
+    }
+    /// Whether there is a sharp edge between two sites.
+    bool is_sharp_between(std::uint32_t a, std::uint32_t b) const {
+        return !reaches_.empty() && is_site(a) && is_site(b) && is_sharp(face_normals_[a], face_normals_[b]);
+    }
+    /// Returns the vector from a point to a site beyond a sharp edge, unfolded into the plane of the point. Returns
+    /// none if the surface does not follow it, or if it is much longer than the spacing of sites.
+    std::optional<Point3> unfolded_toward(const SurfacePoint& from, Point3 straight, std::uint32_t to) const {
+        return unfolded(*surface_, from, straight, points_[to].face, reaches_[to]);
     }
     const SurfacePoint& on_surface(std::uint32_t vertex) const { return points_[vertex]; }
 
@@ -100,8 +114,8 @@ public:
     }
 
     /// Flips edges until all are Delaunay: the angles opposite to each edge, measured in space, add up to at most 180
-    /// degrees. Does not flip creases, nor edges whose flip would fold the triangulation or join two vertices twice.
-    /// Makes at most ten flips per triangle.
+    /// degrees. Beside sharp edges, flips make edges shorter on the surface instead. Does not flip creases, nor edges
+    /// whose flip would fold the triangulation or join two vertices twice. Makes at most ten flips per triangle.
     /// @returns  the number of flips
     std::size_t restore_delaunay(const std::stop_token& stop = {});
 
@@ -126,6 +140,7 @@ private:
     bool can_collapse(std::uint32_t edge) const;
     std::size_t legalise(std::size_t most, const std::stop_token& stop = {});
     void locate(const SurfacePoint& point);
+    double squared_length(std::uint32_t a, std::uint32_t b) const;
     bool wants_flip(std::uint32_t edge) const;
     bool allows_flip(std::uint32_t edge) const;
     void renumber();
@@ -139,6 +154,7 @@ private:
     std::vector<Point3> places_;        ///< [vertices]
     std::vector<Point3> normals_;       ///< [vertices] smooth normals of the surface
     std::vector<Point3> face_normals_;  ///< [vertices] normals of the faces under the vertices
+    std::vector<double> reaches_;       ///< [sites] longest unfolded vectors; empty if no edge of the surface is sharp
     std::vector<std::uint8_t> moved_;   ///< [vertices] whether triangles at it may be new since restore_delaunay()
     std::vector<std::uint32_t> stack_;  ///< edges that may not be Delaunay
 };

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
+
 #include "core/geometry/point3.h"
+#include "core/surface/surface.h"
 
 namespace ccdt {
 
@@ -14,21 +17,18 @@ inline bool is_sharp(Point3 first, Point3 second) {
     return dot(first, second) < kMargin;
 }
 
-/// Returns the vector from a point of one face to a point of another one if the surface between the two faces has a
-/// sharp edge: the second face is rotated into the plane of the first one, about the line in which the two planes
-/// intersect. Returns the straight vector if the planes are nearly parallel, or if the line is not between the points,
-/// as at the rim of a thin plate.
-/// @param straight       vector in space
-/// @param first, second  normals of the faces
-inline Point3 unfolded(Point3 straight, Point3 first, Point3 second) {
-    constexpr double kLeastSquaredSine = 0.02;
-    const double cosine = dot(first, second), squared_sine = 1 - cosine * cosine;
-    // Distances of the points from the plane of the other point, times the sign of the fold, which is convex or
-    // concave.
-    const double before = dot(straight, second), after = -dot(straight, first);
-    if (squared_sine < kLeastSquaredSine || before * after < 0) return straight;
-    const Point3 line = cross(first, second);
-    return 1 / squared_sine * (dot(straight, line) * line + (before + after) * (second - cosine * first));
-}
+/// Whether any edge of a surface is sharp.
+bool has_sharp_edges(const Surface& surface);
+
+/// Returns the vector from a point of a surface to another one, between which the surface has a sharp edge: the second
+/// face is rotated into the plane of the first one, about the line in which the two planes intersect. Returns none if
+/// the line with this direction and length on the surface does not end near the second point, as around a thin tube. A
+/// line over many faces is not checked.
+/// @param straight  vector from the first point to the second one in space
+/// @param face      face of the second point
+/// @param longest   length above which there is no result
+/// O(1).
+std::optional<Point3> unfolded(const Surface& surface, const SurfacePoint& from, Point3 straight, std::uint32_t face,
+                               double longest);
 
 }  // namespace ccdt
