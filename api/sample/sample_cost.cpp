@@ -20,7 +20,7 @@ namespace {
 
 /// Estimates the cost of validating a polygon.
 Estimate domain_cost(std::size_t corner_count) {
-    constexpr double kBytes = 420, kPieceBytes = 180;
+    constexpr double kBytes = 420, kPieceBytes = 210;
     constexpr double kTime = 2.5 * kMicrosecond;
     if (corner_count == 0) return {};
     const auto corners = static_cast<double>(corner_count);

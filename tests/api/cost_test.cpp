@@ -250,7 +250,7 @@ TEST_P(HalftoneCost, BoundsMemoryUsed) {
 INSTANTIATE_TEST_SUITE_P(
     Requests, HalftoneCost,
     testing::Values(
-        HalftoneCase{"usual", {{"scale", "2"}}, 6}, HalftoneCase{"dots", {{"sites", "65536"}, {"scale", "1"}}},
+        HalftoneCase{"usual", {{"scale", "2"}}, 7}, HalftoneCase{"dots", {{"sites", "65536"}, {"scale", "1"}}},
         HalftoneCase{"ink", {{"sites", "65536"}, {"scale", "1"}, {"dots", "ink"}}},
         HalftoneCase{"ink_vectors", {{"sites", "65536"}, {"format", "svg"}, {"scale", "4"}, {"dots", "ink"}}},
         HalftoneCase{"both_points", {{"sites", "65536"}, {"format", "json"}, {"dots", "both"}}},
