@@ -7,9 +7,6 @@ import { Fields } from "./fields.js";
 
 const papers = { a6: [105, 148], a5: [148, 210], a4: [210, 297], a3: [297, 420], a2: [420, 594], letter: [215.9, 279.4] };  // mm
 
-/** Mean distance of successive dots on a path through dots of uniform density, in square roots of the area per dot. */
-const meanStep = 1;
-
 /** Styles in which the pen fills dots that are wider than the pen. */
 const fillings = ["spiral", "circles"];
 
@@ -20,15 +17,15 @@ const fields = [
   { kind: "number", name: "pen_mm", label: "Pen width, mm", value: 0.7, min: 0.1, max: 5, log: true,
     help: "The width of the lines that the pen draws. Strokes and circles make dots of this width. A wider pen needs fewer dots." },
   { kind: "choice", name: "style", label: "Dots are", choices: [["stroke", "short strokes"], ["fill", "circles"], ["spiral", "spirals"], ["circles", "nested circles"], ["path", "joined by a line"]],
-    help: "For a short stroke, the pen goes down and up in one place. Plotter software draws circles as outlines, or fills them. Spirals and nested circles fill dots that are wider than the pen. A line through all dots replaces the dots." },
+    help: "For a short stroke, the pen goes down and up. Plotter software draws circles as outlines, or fills them. Spirals and nested circles fill dots that are wider than the pen. A line through all dots replaces the dots." },
   { kind: "number", name: "dot_mm", label: "Dot width, mm", value: 2, min: 0.2, max: 20, log: true,
     help: "The pen fills each dot with turns that are one pen width apart." },
   { kind: "number", name: "minutes", label: "Time limit, min", value: 45, min: 5, max: 600, step: 1, log: true, auto: true, free: "none",
-    help: "The drawing gets as many dots as the pen can draw in this time. If these are too few for the tone of the picture, the drawing is too light. A wider pen corrects this." },
+    help: "The drawing gets as many dots as the pen can draw in this time. If these are too few, the drawing is too light. A wider pen corrects this." },
   { kind: "number", name: "speed", label: "Speed, mm/s", value: 100, min: 5, max: 500, step: 1, log: true },
   { kind: "number", name: "lift", label: "Pen lift, seconds", value: 0.15, min: 0.01, max: 2, log: true,
     help: "Time that the pen needs to go down and up again, for each stroke." },
-  { kind: "choice", name: "dwell_unit", label: "G-code: dwell in", standard: "s", choices: [["s", "seconds: GRBL, LinuxCNC"], ["ms", "milliseconds: Marlin, Smoothieware"]] },
+  { kind: "choice", name: "dwell_unit", label: "G-code: dwell in", standard: "s", choices: [["s", "seconds: GRBL"], ["ms", "milliseconds: Marlin"]] },
   { kind: "text", name: "pen_down", label: "G-code: pen down", value: "M3 S1000", standard: "M3 S1000",
     help: "Commands that lower the pen. Separate lines by |. For a Z axis: G1 Z-1 F300." },
   { kind: "text", name: "pen_up", label: "G-code: pen up", value: "M5", standard: "M5",
@@ -171,8 +168,8 @@ export class Plotter {
     const dot = this.#dotWidth;
     const full = (share * area) / (Math.PI * (dot / 2) ** 2);
     const wanted = Math.round(plan.sites ?? full);
-    // The length of a path through n dots is proportional to the square root of n.
-    const step = meanStep * Math.sqrt(area) * plan.inks.reduce((sum, ink) => sum + ink.spread * Math.sqrt(ink.share / share), 0);
+    // A path through n evenly spread dots is about the square root of n times their area long.
+    const step = Math.sqrt(area) * plan.inks.reduce((sum, ink) => sum + ink.spread * Math.sqrt(ink.share / share), 0);
     const filling = fillings.includes(style) ? fillLength(style, dot, pen) : 0;
     const each = style === "path" ? 0 : lift + filling / speed;
     const half = step / speed / 2;
