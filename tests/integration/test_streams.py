@@ -7,6 +7,7 @@ import os
 import pathlib
 import re
 import signal
+import subprocess
 import tempfile
 import unittest
 
@@ -26,8 +27,12 @@ def points(form, sites=MANY, **members):
 
 
 def figure_of(process, name):
-    status = pathlib.Path(f"/proc/{process}/status").read_text()
-    return int(re.search(rf"{name}:\s+(\d+) kB", status).group(1)) << 10
+    """Returns a figure of a process in bytes; 0 if the process has ended."""
+    try:
+        found = re.search(rf"{name}:\s+(\d+) kB", pathlib.Path(f"/proc/{process}/status").read_text())
+    except (FileNotFoundError, ProcessLookupError):
+        return 0
+    return int(found.group(1)) << 10 if found else 0
 
 
 def peak(process):
@@ -36,8 +41,32 @@ def peak(process):
 
 
 def of_computing(server, name):
-    """Returns the largest figure of all computation processes. There must be at least one."""
-    return max(figure_of(process, name) for process in children(fork_server(server)))
+    """Returns the largest figure of all computation processes in bytes; 0 if there is none."""
+    return max((figure_of(process, name) for process in children(fork_server(server))), default=0)
+
+
+def resident_at_rest(server):
+    """Returns the resident memory of a process that has computed an answer, and waits for the next request.
+
+    On a busy machine, the server lowers the priority of a computation that lasts, and does not keep its process.
+    """
+    def compute_few():
+        post_json(server, "/sample", points("csv", 100))
+        return of_computing(server, "VmRSS")
+
+    return wait_until(compute_few)
+
+
+def peak_during(call, server):
+    """Waits for the end of a call, and returns the peak resident memory of all computation processes meanwhile."""
+    highest = 0
+    while True:
+        highest = max(highest, of_computing(server, "VmHWM"))
+        try:
+            call.process.wait(0.02)
+            return highest
+        except subprocess.TimeoutExpired:
+            continue
 
 
 class Streams(ServerCase):
@@ -179,17 +208,18 @@ class Memory(unittest.TestCase):
     def test_of_a_computation_is_bounded_by_its_points(self):
         many = 262_144
         with Server("--workers=1", "--timeout=120") as server:
-            post_json(server, "/sample", points("csv", 100))
-            before = of_computing(server, "VmRSS")
-            post_json(server, "/sample", points("csv", many, method="ccdt"))
-            self.assertLess(of_computing(server, "VmHWM") - before, 340 * many)
+            before = resident_at_rest(server)
+            call = Call(server.url("/sample"), *JSON, data=points("csv", many, method="ccdt"))
+            highest = peak_during(call, server)
+            self.assertEqual(call.answer().status, 200)
+            self.assertGreater(highest - before, 16 * many)
+            self.assertLess(highest - before, 340 * many)
             self.assertEqual(server.stop(), 0)
 
     def test_of_writing_is_bounded_by_the_points(self):
         for form in ("csv", "geojson"):
             with Server("--workers=1", "--timeout=120") as server:
-                post_json(server, "/sample", points("csv", 100))
-                before = of_computing(server, "VmRSS")
+                before = resident_at_rest(server)
                 call = Call(server.url("/sample"), *JSON, "--limit-rate", "1M", data=points(form, LARGER))
                 wait_until(lambda call=call: call.body.is_file() and call.body.stat().st_size > 0)
                 taken = of_computing(server, "VmRSS") - before
