@@ -10,16 +10,19 @@ from watch import NOTHING, Held, Level, held, judge, slope
 MIB = 1 << 20
 
 
-def series(requests_a_round, rounds=6, memory=0.0, files=0.0, threads=0.0, processes=0.0, step=0, seed=1):
-    """Returns levels of a server that leaks these amounts per request, with noise of up to 3 MiB and a step of memory
-    after two rounds."""
+def series(requests_a_round, rounds=6, memory=0.0, files=0.0, threads=0.0, processes=0.0, step=0, started=0,
+           seed=1):
+    """Returns levels of a server that leaks these amounts per request, with noise of up to 3 MiB, a step of memory
+    after two rounds, and a number of computation processes that start in the first round."""
     noise = random.Random(seed)
     levels = []
     for i in range(rounds + 1):
         requests = i * requests_a_round
         grown = int(memory * requests) + (step if i > 1 else 0) + noise.randint(0, 3 * MIB)
-        levels.append(Level(5000 + requests, Held(200 * MIB + grown, 20 + int(files * requests),
-                                                  300 + int(threads * requests), 4 + int(processes * requests))))
+        kept = started if i > 0 else 0
+        levels.append(Level(5000 + requests, Held(200 * MIB + grown, 20 + 9 * kept + int(files * requests),
+                                                  300 + 3 * kept + int(threads * requests),
+                                                  4 + kept + int(processes * requests))))
     return levels
 
 
@@ -53,6 +56,10 @@ class Judge(unittest.TestCase):
         self.assertEqual(leaking(series(5000, files=0.002)), {"files"})
         self.assertEqual(leaking(series(5000, threads=0.002)), {"threads"})
         self.assertEqual(leaking(series(5000, processes=0.0002)), {"processes"})
+
+    def test_ignores_what_a_further_process_holds(self):
+        self.assertEqual(leaking(series(5000, started=2)), set())
+        self.assertEqual(leaking(series(5000, started=1, files=0.002)), {"files"})
 
     def test_a_slope_ignores_outliers(self):
         self.assertEqual(slope([(0, 0), (1, 2), (2, 400), (3, 6), (4, 8), (5, 10)]), 2)

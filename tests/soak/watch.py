@@ -12,6 +12,10 @@ MEMORY_NOISE = 8 << 20  # difference of resident memory between two measurements
 MEMORY_LEAK = 512       # tolerated growth, in bytes per request
 COUNT_NOISE = 3         # the same for the numbers of descriptors and threads
 COUNT_LEAK = 0.0001
+# What one more computation process holds, the descriptors and threads that the server has for it included. The server
+# keeps as many of these processes as have ever computed at the same time.
+FILES_OF_PROCESS = 9
+THREADS_OF_PROCESS = 3
 
 
 class Held(typing.NamedTuple):
@@ -99,7 +103,8 @@ def judge(levels):
     def over(name):
         return [(level.requests, getattr(level.held, name)) for level in levels]
 
+    more = max(levels[-1].held.processes - levels[0].held.processes, 0)
     return {"memory": growth(over("memory"), MEMORY_NOISE, MEMORY_LEAK),
-            "files": growth(over("files"), COUNT_NOISE, COUNT_LEAK),
-            "threads": growth(over("threads"), COUNT_NOISE, COUNT_LEAK),
+            "files": growth(over("files"), COUNT_NOISE + FILES_OF_PROCESS * more, COUNT_LEAK),
+            "threads": growth(over("threads"), COUNT_NOISE + THREADS_OF_PROCESS * more, COUNT_LEAK),
             "processes": growth(over("processes"), COUNT_NOISE, 0)}
