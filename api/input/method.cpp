@@ -43,7 +43,7 @@ Estimate ccdt_cost(const Options& options, bool is_uniform) {
     if (silent) microseconds += 5;
     // Upper bound: the grids of the polish are as fine as the largest density requires. For photographs, a third of
     // this memory suffices.
-    const double polishing = is_uniform ? 40 : 565;
+    const double polishing = is_uniform ? 40 : 560;
     const double bytes =
         (is_uniform ? 240 : 330) + (polished ? polishing : 0) + (silent ? 200 : 0) + (options.keep_mesh ? 150 : 0);
     return Estimate{sites * bytes, sites * microseconds * kMicrosecond} + fixed_areas_cost(options);

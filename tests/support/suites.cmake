@@ -18,7 +18,7 @@ foreach(line IN LISTS lines)
         set(suite "${line}")
         set(test "${CMAKE_MATCH_1}")
         set(filter "${suite}*")
-        string(COMPARE NOTEQUAL "${each_case}" ON is_wanted)
+        string(COMPARE NOTEQUAL "${each_case}" TRUE is_wanted)
     else()
         continue()  # "Running main() from ..."
     endif()
