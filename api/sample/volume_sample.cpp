@@ -163,9 +163,9 @@ void order_points(const VolumeRequest& request, const Solid* solid, const VoxelD
 double copies_of(const VolumeRequest& request) {
     if (request.solid) return 1;
     constexpr double kRim = 4;  // on both sides together, in spacings
-    const auto count = static_cast<double>(request.run.sites + request.run.fixed.size());
-    const Point3 sides = unit_sides(request.domain.sides, request.run.sites + request.run.fixed.size());
-    const double spacing = std::cbrt(sides.x * sides.y * sides.z / count);
+    const std::size_t points = request.run.sites + request.run.fixed.size();
+    const Point3 sides = unit_sides(request.domain.sides, points);
+    const double spacing = std::cbrt(sides.x * sides.y * sides.z / static_cast<double>(points));
     return (1 + kRim * spacing / sides.x) * (1 + kRim * spacing / sides.y) * (1 + kRim * spacing / sides.z);
 }
 

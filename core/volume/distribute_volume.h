@@ -29,8 +29,8 @@ Result<void> check_volume(const BoxDomain3& domain, const VolumeOptions& options
 /// Errors: Malformed if the number of points is out of range ("sites"), a side is below 1e-300 or not finite
 /// ("domain"), or a fixed point is not in the domain ("fixed/N"); Stopped if a stop comes before all initial sites are
 /// drawn. Deterministic for any number of threads. O(sites log sites). Without `keep_mesh`, 225 (box) or 240 (torus)
-/// bytes per site for a million sites of uniform density in a cube. Source: Xu, Liu, Gotsman, Gortler 2011, section 5,
-/// names the generalisation to space as future work.
+/// bytes per site for a million sites of uniform density in a cube.
+/// Source: Xu, Liu, Gotsman, Gortler 2011, section 5, names the generalisation to space as future work.
 Result<VolumeDistribution> distribute_in_volume(const BoxDomain3& domain, const VoxelDensity& density,
                                                 const VolumeOptions& options, const Control& control = {});
 
