@@ -199,7 +199,10 @@ std::optional<ColourConversion> read_profile(const Context& context, const Handl
     }
 }
 
-/// Creates the profile that code points describe. Returns null for unsupported code points.
+constexpr std::uint8_t kPq = 16, kHlg = 18;  ///< code numbers of ITU-T H.273
+
+/// Creates the profile that code points describe; for high dynamic range, a profile with the primaries alone. Returns
+/// null for unsupported code points.
 Handle make_profile(const Context& context, const ColourTags::CodePoints& code) {
     const auto curve = [&]() -> Curve {
         switch (code.transfer) {
@@ -212,6 +215,8 @@ Handle make_profile(const Context& context, const ColourTags::CodePoints& code) 
             case 13:
             case 14:
             case 15:
+            case kPq:
+            case kHlg:
                 return make_srgb_curve(context);
             default:
                 return {nullptr, cmsFreeToneCurve};
@@ -232,7 +237,7 @@ Handle make_profile(const Context& context, const ColourTags::CodePoints& code) 
 /// Light of high dynamic range, relative to a diffuse white of 203 cd/m2.
 class WideRange {
 public:
-    enum class Curve { Pq = 16, Hlg = 18 };  ///< code numbers of ITU-T H.273
+    enum class Curve { Pq = kPq, Hlg = kHlg };
 
     explicit WideRange(Curve curve) : curve_(curve), light_(std::size_t{kFull} + 1) {
         for (std::size_t i = 0; i < light_.size(); ++i)
@@ -296,15 +301,12 @@ ColourConversion read_wide_range(WideRange::Curve curve, std::optional<LightMatr
             [range](float share) { return (*range)(share); }};
 }
 
-/// Creates the conversion that code points describe; none for unsupported code points, and for sRGB.
-/// @param found  receives whether the code points are supported
+/// Creates the conversion that code points describe; none for sRGB.
+/// @param profile  result of make_profile() for the code points
 std::optional<ColourConversion> read_code_points(const Context& context, const ColourTags::CodePoints& code,
-                                                 bool& found) {
-    const bool is_wide = code.transfer == 16 || code.transfer == 18;
-    const Handle profile = make_profile(context, is_wide ? ColourTags::CodePoints{code.primaries, 13} : code);
-    found = profile != nullptr;
-    if (!found) return std::nullopt;
-    if (is_wide) return read_wide_range(WideRange::Curve{code.transfer}, light_matrix(context, profile.get()));
+                                                 const Handle& profile) {
+    if (code.transfer == kPq || code.transfer == kHlg)
+        return read_wide_range(WideRange::Curve{code.transfer}, light_matrix(context, profile.get()));
     auto conversion = read_matrix_profile(context, profile);
     if (conversion && !is_srgb(conversion->curves.front())) conversion->grey = conversion->curves.front();
     return conversion;
@@ -325,9 +327,8 @@ std::optional<ColourConversion> convert_colours(const ColourTags& tags) {
     const Context context = make_context();
     if (!context) return std::nullopt;
     if (tags.code_points) {
-        bool found = false;
-        auto conversion = read_code_points(context, *tags.code_points, found);
-        if (found) return conversion;
+        if (const Handle profile = make_profile(context, *tags.code_points))
+            return read_code_points(context, *tags.code_points, profile);
     }
     if (!tags.profile.empty()) {
         const auto size = static_cast<cmsUInt32Number>(tags.profile.size());
