@@ -31,7 +31,8 @@ std::string_view without_blanks_at_the_end(std::string_view text) {
 
 /// Removes the padding, if the text has a whole number of groups of four digits. Blanks do not count.
 std::string_view without_padding(std::string_view text) {
-    const auto blanks = std::ranges::count_if(text, [](char c) { return kBlanks.find(c) != std::string_view::npos; });
+    const auto blanks =
+        std::ranges::count_if(text, [](char c) { return kDigits[static_cast<unsigned char>(c)] == kBlank; });
     if ((text.size() - static_cast<std::size_t>(blanks)) % 4 != 0) return text;
     text = without_blanks_at_the_end(text);
     for (int i = 0; i < 2 && text.ends_with('='); ++i)
