@@ -286,12 +286,15 @@ Result<void> Construction::finish() {
 /// @returns  whether any site moved
 Result<bool> Construction::move_single_sites() {
     constexpr double kAnywhere = 1;  // covers the box
+    const bool is_narrow =
+        !domain_.is_torus() && fixed_.sites == 0 && options_.iterations > 0 && has_narrow_places(placed_->mesh);
+    const bool clears_gaps = support_.has_gaps() && (has_polish(options_) || options_.keep_steps);
+    if (!is_narrow && !clears_gaps) return false;
     const auto all = placed_->mesh.points().begin();
     std::vector<Point> sites(all, all + static_cast<std::ptrdiff_t>(options_.sites));
-    bool moved = false;
-    if (!domain_.is_torus() && fixed_.sites == 0 && options_.iterations > 0 && has_narrow_places(placed_->mesh))
-        moved = even_out_narrow_places(domain_, capacity_, sites, capacity_.total() * site_share(), stop_);
-    if (support_.has_gaps() && (has_polish(options_) || options_.keep_steps)) {
+    bool moved =
+        is_narrow && even_out_narrow_places(domain_, capacity_, sites, capacity_.total() * site_share(), stop_);
+    if (clears_gaps) {
         for (Point& site : sites) {
             const Point corner = support_.box_corner(site), place = site - corner;
             const Point to = support_.nearest(place, kAnywhere);

@@ -37,7 +37,7 @@ public:
 private:
     using Cell = std::array<int, 2>;  ///< column and row
 
-    /// What is known about a cell.
+    /// Properties of a cell.
     enum Flag : std::uint8_t {
         kStepRight = 1,  ///< a step divides the cell from the next cell in its row
         kStepUp = 2,     ///< a step divides the cell from the next cell in its column
