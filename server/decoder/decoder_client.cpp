@@ -101,11 +101,12 @@ template <class Reply>
 using ResultOf = typename decltype(std::declval<const Reply&>().read())::value_type;
 
 /// Sends one order to a helper, and waits for the reply.
-/// @param text  the fixed-size part of the order
+/// @param text       the fixed-size part of the order
+/// @param for_child  see DecoderWaits
 template <class Reply>
 tl::expected<ResultOf<Reply>, NoReply> ask_helper(const DecoderClient::PassOrder& pass_order, std::string_view bytes,
-                                                  const Order::Text& text, const std::stop_token& stop,
-                                                  std::atomic<std::int64_t>& used_us) {
+                                                  const Order::Text& text, std::chrono::milliseconds for_child,
+                                                  const std::stop_token& stop, std::atomic<std::int64_t>& used_us) {
     const auto max_size = static_cast<std::size_t>(text.max_size);
     auto outcome = make_sockets(SOCK_SEQPACKET);
     Order order{text, make_file(bytes), Reply::make_file(max_size), {}};
@@ -115,9 +116,8 @@ tl::expected<ResultOf<Reply>, NoReply> ask_helper(const DecoderClient::PassOrder
         return tl::unexpected(NoReply{stop.stop_requested() ? NoReply::Reason::Stopped : NoReply::Reason::NoHelper});
     order.outcome.reset();  // so that this end is closed when the helper ends
     // When this function returns, our end of the socket is closed, which ends the child.
-    const std::chrono::milliseconds to_begin(text.patience_ms);
-    const auto to_end = to_begin + kMaxPerProcessorTime * text.limits.time;
-    if (const auto none = wait_for(outcome->ours, to_begin, to_end, stop, used_us)) return tl::unexpected(*none);
+    const auto to_end = for_child + kMaxPerProcessorTime * text.limits.time;
+    if (const auto none = wait_for(outcome->ours, for_child, to_end, stop, used_us)) return tl::unexpected(*none);
     const Reply reply(order.reply, max_size);
     if (!reply) return tl::unexpected(not_started());
     auto result = reply.read();
@@ -162,23 +162,21 @@ std::string subject_of(Order::Product product) {
 
 /// Sends orders to decode a file until there is a reply. Repeats an order only if it was lost because its helper ended,
 /// and once if its child was killed from outside.
-/// @param longest_wait  see DecoderClient::kLongestWait
 template <class Reply>
 ResultOf<Reply> decode_by(const DecoderClient::PassOrder& pass_order, std::string_view bytes, Order::Text text,
-                          const std::stop_token& stop, std::chrono::milliseconds longest_wait,
-                          DecoderClient::Counts& counts) {
+                          const std::stop_token& stop, const DecoderWaits& waits, DecoderClient::Counts& counts) {
     using Reason = NoReply::Reason;
     text.bytes = bytes.size();
     std::optional<Clock::time_point> retry_until;
     bool was_killed = false;
     while (true) {
-        const Clock::duration patience = retry_until ? *retry_until - Clock::now() : longest_wait;
+        const Clock::duration patience = retry_until ? *retry_until - Clock::now() : waits.for_helper;
         text.patience_ms = std::chrono::ceil<std::chrono::milliseconds>(patience).count();
-        auto reply = ask_helper<Reply>(pass_order, bytes, text, stop, counts.used_us);
+        auto reply = ask_helper<Reply>(pass_order, bytes, text, waits.for_child, stop, counts.used_us);
         if (reply) return *std::move(reply);
         const auto reason = reply.error().reason;
         if (reason == Reason::Died || reason == Reason::Killed || reason == Reason::TooSlow) ++counts.deaths;
-        if (!retry_until) retry_until = Clock::now() + longest_wait;
+        if (!retry_until) retry_until = Clock::now() + waits.for_helper;
         // The file does not cause the end of the helper or the kill, so the order is repeated.
         const bool was_lost = reason == Reason::OrderLost && Clock::now() <= *retry_until;
         const bool is_first_kill = reason == Reason::Killed && !std::exchange(was_killed, true);
@@ -220,7 +218,7 @@ Result<AnyPicture> DecoderClient::decode_to(std::string_view bytes, const api::R
     text.ground = reading.ground;
     text.limits = limits_(bytes, reading.max_pixels);
     if (reading.is_stack) text.limits.time += time_for(reading.max_pixels);
-    return decode_by<ReplyMemory<AnyPicture>>(pass_order_, bytes, text, stop, longest_wait_, counts_);
+    return decode_by<ReplyMemory<AnyPicture>>(pass_order_, bytes, text, stop, waits_, counts_);
 }
 
 Result<Picture> DecoderClient::decode(std::string_view bytes, const api::Reading& reading,
@@ -243,7 +241,7 @@ Result<std::string> DecoderClient::read_shapefile(std::string_view archive, cons
     text.product = Order::Product::Map;
     reading.object.copy(text.object.data(), reading.object.size());
     text.limits = shapefile_limits(reading.max_bytes);
-    return decode_by<ReplyText>(pass_order_, archive, text, stop, longest_wait_, counts_);
+    return decode_by<ReplyText>(pass_order_, archive, text, stop, waits_, counts_);
 }
 
 Result<api::SurfaceContents> DecoderClient::read_surface(std::string_view bytes, const api::SurfaceHeader& header,
@@ -253,7 +251,7 @@ Result<api::SurfaceContents> DecoderClient::read_surface(std::string_view bytes,
     text.product = Order::Product::Surface;
     text.surface = header;
     text.limits = surface_limits(bytes, header);
-    return decode_by<ReplySurface>(pass_order_, bytes, text, stop, longest_wait_, counts_);
+    return decode_by<ReplySurface>(pass_order_, bytes, text, stop, waits_, counts_);
 }
 
 api::Decode DecoderClient::functions() {

@@ -35,6 +35,17 @@ DecoderLimits shapefile_limits(std::size_t max_bytes);
 /// on a slow machine.
 DecoderLimits surface_limits(std::string_view file, const api::SurfaceHeader& header);
 
+/// Limits of the time that an order waits.
+struct DecoderWaits {
+    /// Maximum time that an order waits for a restart of the helper. An order is lost if its helper ends. Lost
+    /// orders are repeated for this time after the first loss.
+    std::chrono::milliseconds for_helper{5'000};
+
+    /// Maximum time that an order waits for a child to begin. It includes the first start of the helper, which
+    /// loads many libraries, and it suffices on a busy machine.
+    std::chrono::milliseconds for_child{30'000};
+};
+
 /// Sends pictures, shapefiles and mesh files to a DecoderSupervisor, which may belong to another process, and returns
 /// the decoded results. May be used from any thread.
 class DecoderClient {
@@ -44,13 +55,8 @@ public:
     /// Passes an order to a helper; returns false if no helper is available in time.
     using PassOrder = std::function<bool(const Order& order, const std::stop_token& stop)>;
 
-    /// Maximum time that an order waits for a helper. The wait for a child to begin has the same limit. An order is
-    /// lost if its helper ends. Lost orders are repeated for this time after the first loss.
-    static constexpr std::chrono::milliseconds kLongestWait{5000};
-
-    explicit DecoderClient(PassOrder pass_order, LimitsOf limits = decoder_limits,
-                           std::chrono::milliseconds longest_wait = kLongestWait)
-        : pass_order_(std::move(pass_order)), limits_(std::move(limits)), longest_wait_(longest_wait) {}
+    explicit DecoderClient(PassOrder pass_order, LimitsOf limits = decoder_limits, DecoderWaits waits = {})
+        : pass_order_(std::move(pass_order)), limits_(std::move(limits)), waits_(waits) {}
 
     /// Decodes a picture. The result is the same as if the calling process decoded it. A stop request takes effect at
     /// once.
@@ -95,7 +101,7 @@ private:
 
     const PassOrder pass_order_;
     const LimitsOf limits_;
-    const std::chrono::milliseconds longest_wait_;
+    const DecoderWaits waits_;
     Counts counts_;
 };
 

@@ -193,6 +193,8 @@ public:
         EXPECT_TRUE(supervisor_->wait_until_ready());
     }
 
+    bool relay(const Order& order, const std::stop_token& stop) { return supervisor_->relay(order, stop); }
+
     Result<Picture> decode(std::string_view bytes, const api::Reading& reading, const std::stop_token& stop) {
         return client_.decode(bytes, reading, stop);
     }
@@ -861,7 +863,7 @@ DecoderClient client_without_replies(std::vector<UniqueFd>& kept, bool begun) {
         [](std::string_view, std::size_t) {
             return DecoderLimits{kLimits.memory, std::chrono::seconds(0)};
         },
-        std::chrono::milliseconds(20));
+        {.for_child = std::chrono::milliseconds(20)});
 }
 
 TEST(DecoderClient, DoesNotBlameAPictureForAMachineThatIsTooBusy) {
@@ -875,6 +877,24 @@ TEST(DecoderClient, DoesNotBlameAPictureForAMachineThatIsTooBusy) {
         EXPECT_EQ(client.deaths(), 0U);
         EXPECT_EQ(kept.size(), 1U);
     }
+}
+
+TEST(DecoderClient, WaitsLongerForAChildThanForAHelper) {
+    const auto supervisor = make_box();
+    ASSERT_TRUE(supervisor);
+    std::jthread busy;
+    DecoderClient client(
+        [&](const Order& order, const std::stop_token&) {
+            Order kept{order.text, UniqueFd(dup(order.file.get())), UniqueFd(dup(order.reply.get())),
+                       UniqueFd(dup(order.outcome.get()))};
+            busy = std::jthread([&supervisor, kept = std::move(kept)] {
+                std::this_thread::sleep_for(std::chrono::milliseconds(100));
+                supervisor->relay(kept, {});
+            });
+            return true;
+        },
+        limits_of_tests, {.for_helper = std::chrono::milliseconds(20)});
+    EXPECT_TRUE(client.decode("picture", kMaxPixels, {}));
 }
 
 TEST(DecoderClient, WaitsForAHelperOnlyOnce) {
