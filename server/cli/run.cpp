@@ -117,6 +117,16 @@ tl::expected<void, Failed> check_outputs(const Command& command, const Arguments
     return {};
 }
 
+/// Makes errors about a format that was not given refer to the output, whose suffix chose the format.
+void blame_output(Error& error, const Task& task) {
+    if (error.field == "format" || error.field == "/format") {
+        error.message =
+            "output " + task.output + " sets --format=" + std::string(task.format->name) + ": " + error.message;
+        error.field = "output";
+    }
+    for (Error& other : error.others) blame_output(other, task);
+}
+
 /// Returns the exit status for an error of a computation.
 int status_of(const Error& error, std::span<const Option> options) {
     switch (error.code) {
@@ -205,14 +215,16 @@ private:
         if (command_.name == "sample" && input && input->starts_with(api::kZipSignature)) {
             if (auto converted = convert(*input, arguments); !converted) return converted;
         }
-        if (task.output != kStandardStream && arguments.find("format") == nullptr)
+        const bool sets_format = task.output != kStandardStream && arguments.find("format") == nullptr;
+        if (sets_format)
             arguments.given.push_back(
                 {&*std::ranges::find(options_, "format", &Option::member), std::string(task.format->name)});
         const auto request = build_request(command_, arguments, input ? &*input : nullptr);
         if (!request) return failed(status_of(request.error(), options_), request.error());
         input.reset();
         OutputFile output(task.output, interruption_);
-        const auto computed = compute(task, *request, output);
+        auto computed = compute(task, *request, output);
+        if (!computed && sets_format) blame_output(computed.error(), task);
         if (!computed)
             return failed(output.has_failed() ? kOutputFailed : status_of(computed.error(), options_),
                           computed.error());

@@ -404,6 +404,13 @@ class Errors(Folder):
         error = json.loads(run("halftone", PICTURE, "--json", "-o", "a.jpg").stderr)
         self.assertEqual((error["status"], error["option"], error["message"][:16]), (2, "--output", "--output a.jpg: "))
 
+    def test_errors_of_a_format_name_the_output_that_sets_it(self):
+        request, output = self.folder / "request.json", self.folder / "x.json"
+        request.write_text('{"sites":17}')
+        result = run("sample", request, "-o", output)
+        self.assert_fails(result, 2, f"ccdt: --output {output} sets --format=json: options must be members")
+        self.assert_fails(run("sample", request, "--format=json"), 2, "ccdt: --format: options must be members")
+
     def test_warnings_are_printed_unless_quiet(self):
         arguments = ("sample", POLYGONS / "Italy-110m.geojson", "--sites=9", "--format=csv")
         self.assertIn(b"points are even in degrees", run(*arguments).stderr)
