@@ -251,7 +251,7 @@ private:
     /// Source: TIFF 6.0, 21.
     void convert_chroma(Value* to) const {
         constexpr float kFullCode = 255, kFullChroma = 127;
-        const auto& [red_weight, green_weight, blue_weight] = pixels_.luma;
+        const float red_weight = pixels_.luma[0], green_weight = pixels_.luma[1], blue_weight = pixels_.luma[2];
         const auto& black_white = pixels_.reference;
         for_each_pixel(to, 3, [&](const Value* from, Value* rgb) {
             const auto level = [&](std::size_t i, float full) {
@@ -271,8 +271,8 @@ private:
     /// Converts Lab to the encoding of ICC profiles, version 4: 65,535 is L* = 100, and a* and b* are 257 times their
     /// value plus 128. Source: TIFF 6.0, 23; Adobe's TIFF technical notes of 2002.
     void convert_lab(std::uint16_t* to) const {
-        const bool is_icc = pixels_.space == Space::IccLab;
-        for_each_pixel(to, 3, [is_icc](const Value* from, std::uint16_t* lab) {
+        [[maybe_unused]] const bool is_icc = pixels_.space == Space::IccLab;
+        for_each_pixel(to, 3, [&](const Value* from, std::uint16_t* lab) {
             if constexpr (std::is_same_v<Value, std::uint8_t>) {
                 constexpr unsigned kSign = 0x80;
                 lab[0] = to_word(from[0], 8);

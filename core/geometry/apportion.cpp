@@ -87,7 +87,7 @@ void append_tree(std::span<Place> places, std::uint32_t parent, std::vector<Plac
         node.place = places.front().number;
         return;
     }
-    const int longest = sides.x >= std::max(sides.y, sides.z) ? 0 : sides.y >= sides.z ? 1 : 2;
+    const std::size_t longest = sides.x >= std::max(sides.y, sides.z) ? 0 : sides.y >= sides.z ? 1 : 2;
     const std::size_t half = places.size() / 2;
     std::ranges::nth_element(places, places.begin() + static_cast<std::ptrdiff_t>(half), {}, [&](const Place& place) {
         const auto& [x, y, z] = place.position;

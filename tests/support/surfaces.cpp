@@ -186,7 +186,7 @@ TriangleSoup renumbered(TriangleSoup soup, int turns) {
     std::ranges::reverse(soup.vertices);
     const auto last = static_cast<std::uint32_t>(soup.vertices.size() - 1);
     for (auto& triangle : soup.triangles) {
-        std::ranges::rotate(triangle, triangle.begin() + turns);
+        std::rotate(triangle.begin(), triangle.begin() + turns, triangle.end());
         for (std::uint32_t& v : triangle) v = last - v;
     }
     return soup;
