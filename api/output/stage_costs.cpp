@@ -24,6 +24,10 @@ Estimate density_cost(double cells) {
     return {cells * 20, cells * 0.03 * kMicrosecond};
 }
 
+Estimate zones_cost(double cells) {
+    return {cells * 9, cells * 0.3 * kMicrosecond};
+}
+
 Estimate raster_cost(double sites, double pixels, std::optional<double> radius, bool antialias) {
     const double covered = sites * std::min(pixels, radius ? 4 * *radius * *radius : 0);
     return {sites * 166 + pixels * 6, (pixels * (antialias ? 0.04 : 0.005) + covered * 0.001) * kMicrosecond};

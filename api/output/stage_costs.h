@@ -28,6 +28,9 @@ Estimate decoding_cost(const ImageFile& file, double planes = kGreyPlanes);
 /// Estimates the cost of computing the integrals of a density grid.
 Estimate density_cost(double cells);
 
+/// Estimates the cost of finding the zones of a density. The time is that of noise, which takes longest.
+Estimate zones_cost(double cells);
+
 /// Estimates the cost of drawing dots as pixels.
 /// @param radius  radius of the dots in pixels, may exceed the picture; none: follows from the wanted coverage
 Estimate raster_cost(double sites, double pixels, std::optional<double> radius, bool antialias);

@@ -144,11 +144,10 @@ Estimate decoding_cost(const DensityInput& input) {
     return image == nullptr ? Estimate{} : decoding_cost(image->file);
 }
 
-Estimate density_cost(const DensityInput& input) {
-    if (const auto* image = std::get_if<DensityImage>(&input))
-        return density_cost(static_cast<double>(image->file.header.pixels()));
+double cells_of(const DensityInput& input) {
+    if (const auto* image = std::get_if<DensityImage>(&input)) return static_cast<double>(image->file.header.pixels());
     const auto* grid = std::get_if<DensityGrid>(&input);
-    return grid == nullptr ? Estimate{} : density_cost(static_cast<double>(grid->values.size()));
+    return grid == nullptr ? 0 : static_cast<double>(grid->values.size());
 }
 
 std::size_t bytes_of(const DensityInput& input) {

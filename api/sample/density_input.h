@@ -61,8 +61,8 @@ Result<Density> make_density(const DensityInput& input, YAxis y, const Limits& l
 /// Estimates the decoding of a picture of densities.
 Estimate decoding_cost(const DensityInput& input);
 
-/// Estimates the creation of a density after decoding.
-Estimate density_cost(const DensityInput& input);
+/// Returns the number of cells of a density; 0 if it is uniform.
+double cells_of(const DensityInput& input);
 
 /// Returns the number of bytes that a density holds in memory in addition to the body of its request.
 std::size_t bytes_of(const DensityInput& input);

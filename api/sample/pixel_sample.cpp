@@ -290,7 +290,8 @@ Cost cost_of(const PixelRequest& request, const Limits& /*limits*/) {
     const Estimate written{
         static_cast<double>(request.sites) * request.format->bytes_per_site + pixels * request.format->bytes_per_pixel,
         0};
-    return total_cost(then(decoding_cost(request.density), density_cost(request.density)) + kPixel * pixels + written);
+    return total_cost(then(decoding_cost(request.density), density_cost(cells_of(request.density))) + kPixel * pixels +
+                      written);
 }
 
 std::size_t size_of(const PixelRequest& request) {

@@ -213,8 +213,8 @@ Cost cost_of(const SampleRequest& request, const Limits& limits) {
     if (request.threshold_mask) return total_cost(cost_of_mask(*request.threshold_mask));
     const bool is_uniform = std::holds_alternative<std::monostate>(request.density) && !request.region.is_on_globe();
     const Estimate placing = domain_cost(request) + charts_cost(request) + dot_map_cost(request) +
-                             density_cost(request.density) + request.method->cost(request.run, is_uniform) +
-                             long_waves_cost(request);
+                             density_cost(cells_of(request.density)) + zones_cost(cells_of(request.density)) +
+                             request.method->cost(request.run, is_uniform) + long_waves_cost(request);
     const Estimate made =
         then(then(placing, ordering_cost(request)), features_cost(request) + writing_cost(request, limits));
     const Estimate read = decoding_cost(request.density);

@@ -9,6 +9,7 @@
 
 #include "api/image/image_header.h"
 #include "api/json/json_document.h"
+#include "api/output/stage_costs.h"
 #include "api/text/text.h"
 
 namespace ccdt::api {
@@ -113,10 +114,10 @@ Estimate voxel_cost(const VoxelInput& input) {
     const auto [x, y, z] = input.voxels;
     const double count = input.count();
     const double corners = (static_cast<double>(x) + 1) * (static_cast<double>(y) + 1) * (static_cast<double>(z) + 1);
-    // A double and a bit for each voxel, and a double for the sum of masses up to each corner. A TIFF needs a float,
-    // too.
+    // A double and a bit for each voxel, later a float, and a double for the sum of masses up to each corner. A TIFF
+    // needs a float, too.
     constexpr Estimate kVoxel{9, 0.03 * kMicrosecond}, kCorner{8, 0}, kOfTiff{4, 0.03 * kMicrosecond};
-    const Estimate read = kVoxel * count + kCorner * corners;
+    const Estimate read = kVoxel * count + kCorner * corners + zones_cost(count);
     if (!input.is_tiff()) return read;
     return read + kOfTiff * count + Estimate{static_cast<double>(input.decoder_bytes + input.file.size()), 0};
 }

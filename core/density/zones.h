@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/density/density.h"
@@ -20,5 +23,11 @@ namespace ccdt {
 ///
 /// O(cells).
 std::vector<std::uint32_t> find_zones(const Density& density, bool periodic, double sites);
+
+/// Does the same in space.
+/// @param voxels  number of voxels along x, y and z; their product is below 2^31
+/// @param values  [voxels along z][along y][along x] densities, >= 0, not all 0
+std::vector<std::uint32_t> find_zones(const std::array<std::size_t, 3>& voxels, std::span<const float> values,
+                                      bool periodic, double sites);
 
 }  // namespace ccdt

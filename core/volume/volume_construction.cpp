@@ -81,8 +81,8 @@ public:
           transport_(volume_transport(domain.box(), domain.volume(), inside, spacing_, options.sites + fixed.size(),
                                       schedule_.waves > 0, executor_, control.stop)),
           relaxation_(domain, density, spacing_, executor_),
-          tiers_(density, domain.periodic, static_cast<double>(points_in_box(domain, options.sites + fixed.size()))),
-          sites_(draw_start(domain, density, inside, tiers_, options.sites, fixed, options.seed, control.stop)) {}
+          zones_(density, domain.periodic, static_cast<double>(points_in_box(domain, options.sites + fixed.size()))),
+          sites_(draw_start(domain, density, inside, zones_, options.sites, fixed, options.seed, control.stop)) {}
 
     void execute() {
         report();
@@ -151,17 +151,17 @@ private:
         return power;
     }
 
-    /// Moves sites. Shortens the moves that end where the density is 0 or across a step of the density.
+    /// Moves sites. Shortens the moves that end where the density is 0 or in another zone of the density.
     template <class Move>
     void within_density(Move&& move) {
         constexpr int kHalvings = 3;
-        if (!density_.has_gaps() && tiers_.count() == 1) return move();
+        if (!density_.has_gaps() && zones_.count() == 1) return move();
         const std::vector<Point3> before = sites_;
         move();
         for (std::size_t i = 0; i < free_; ++i) {
-            const std::size_t tier = tiers_.at(in_box(before[i]));
+            const std::uint32_t zone = zones_.at(in_box(before[i]));
             const auto is_allowed = [&](Point3 p) {
-                return density_.is_positive(in_box(p)) && tiers_.at(in_box(p)) == tier;
+                return density_.is_positive(in_box(p)) && zones_.at(in_box(p)) == zone;
             };
             Point3 way = sites_[i] - before[i];
             if (domain_.periodic) way = shortest(way);
@@ -213,7 +213,7 @@ private:
     Schedule schedule_;
     OctaveTransport<Point3> transport_;
     BlockRelaxation<Domain> relaxation_;
-    VoxelTiers tiers_;
+    VoxelZones zones_;
     std::vector<Point3> sites_;  ///< sites, then fixed points
     std::vector<double> trace_;
     int done_ = 0;  ///< number of completed steps

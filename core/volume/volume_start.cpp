@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
+#include <utility>
 
 #include "core/random.h"
 #include "core/volume/box_domain3.h"
@@ -13,14 +13,20 @@ namespace ccdt {
 
 namespace {
 
-/// Draws sites in cells. Carries the difference between the share of a cell's mass in each tier and the sites drawn
-/// there from site to site, so that each tier gets its number of sites.
+/// Draws sites in cells. Carries the difference between the share of a cell's mass in each zone and the sites drawn
+/// there from site to site, and does the same for classes of zones, so that each gets its number of sites.
 template <class Domain>
 class SiteDraw {
 public:
-    SiteDraw(const Domain& domain, const VoxelDensity& density, const VoxelDensity& inside, const VoxelTiers& tiers,
+    SiteDraw(const Domain& domain, const VoxelDensity& density, const VoxelDensity& inside, const VoxelZones& zones,
              std::uint64_t seed)
-        : domain_(domain), density_(density), inside_(inside), tiers_(tiers), seed_(seed), missing_(tiers.count()) {}
+        : domain_(domain),
+          density_(density),
+          inside_(inside),
+          zones_(zones),
+          seed_(seed),
+          in_zone_(zones.count()),
+          in_class_(zones.classes()) {}
 
     /// Returns a place for a site, which is outside the domain or the density if none is found.
     /// @param box  relative to the sides of the domain
@@ -28,8 +34,7 @@ public:
         constexpr int kAttempts = 32;  // a site of a thin part of a solid is hard to find at random
         const Point3 sides = domain_.sides;
         Random random(seed_, site);
-        std::vector<std::optional<Point3>> first(tiers_.count());
-        std::vector<double> found(tiers_.count());
+        found_.clear();
         double all = 0;
         Point3 place;
         for (int attempt = 0; attempt < kAttempts; ++attempt) {
@@ -37,36 +42,52 @@ public:
             const Point3 p = inside_.draw(box, {x, y, z});
             place = {p.x * sides.x, p.y * sides.y, p.z * sides.z};
             if (!domain_.contains(place) || !density_.is_positive(p)) continue;
-            const std::size_t tier = tiers_.at(p);
-            if (!first[tier]) first[tier] = place;
-            ++found[tier];
+            if (zones_.count() == 1) return place;
+            const std::uint32_t zone = zones_.at(p);
+            const auto known = std::ranges::find(found_, zone, &Found::zone);
+            if (known == found_.end())
+                found_.push_back({zone, 1, place});
+            else
+                ++known->hits;
             ++all;
-            if (tiers_.count() == 1) return place;
         }
-        if (all == 0) return place;
-        std::size_t chosen = tiers_.count();
-        for (std::size_t tier = 0; tier < found.size(); ++tier) {
-            missing_[tier] += found[tier] / all;
-            if (first[tier] && (chosen == found.size() || missing_[tier] > missing_[chosen])) chosen = tier;
+        if (found_.empty()) return place;
+        for (const Found& each : found_) {
+            in_zone_[each.zone] += each.hits / all;
+            in_class_[zones_.class_of(each.zone)] += each.hits / all;
         }
-        --missing_[chosen];
-        return *first[chosen];
+        const auto missing = [this](const Found& each) {
+            return std::pair(in_class_[zones_.class_of(each.zone)], in_zone_[each.zone]);
+        };
+        const Found& chosen = *std::ranges::max_element(found_, {}, missing);
+        --in_zone_[chosen.zone];
+        --in_class_[zones_.class_of(chosen.zone)];
+        return chosen.first;
     }
 
 private:
+    /// The places found in a zone.
+    struct Found {
+        std::uint32_t zone;
+        double hits;
+        Point3 first;
+    };
+
     const Domain& domain_;
     const VoxelDensity& density_;
     const VoxelDensity& inside_;
-    const VoxelTiers& tiers_;
+    const VoxelZones& zones_;
     std::uint64_t seed_;
-    std::vector<double> missing_;  ///< [tiers] sites that the tier should have had so far, minus those that it has
+    std::vector<double> in_zone_;   ///< [zones] sites that the zone should have had so far, minus those that it has
+    std::vector<double> in_class_;  ///< [classes] the same for the zones of a class
+    std::vector<Found> found_;      ///< in the current cell
 };
 
 }  // namespace
 
 template <class Domain>
 std::vector<Point3> draw_start(const Domain& domain, const VoxelDensity& density, const VoxelDensity& inside,
-                               const VoxelTiers& tiers, std::size_t sites, std::span<const Point3> fixed,
+                               const VoxelZones& zones, std::size_t sites, std::span<const Point3> fixed,
                                std::uint64_t seed, const std::stop_token& stop) {
     constexpr std::size_t kMostPerCell = 4;
     struct Cell {
@@ -79,7 +100,7 @@ std::vector<Point3> draw_start(const Domain& domain, const VoxelDensity& density
     std::vector<Cell> cells{{{{0, 0, 0}, {1, 1, 1}}, sites, sorted}};
     std::vector<Point3> drawn;
     drawn.reserve(sites + fixed.size());
-    SiteDraw draw(domain, density, inside, tiers, seed);
+    SiteDraw draw(domain, density, inside, zones, seed);
     while (!cells.empty() && !stop.stop_requested()) {
         const Cell cell = cells.back();
         cells.pop_back();
@@ -115,9 +136,9 @@ std::vector<Point3> draw_start(const Domain& domain, const VoxelDensity& density
     return drawn;
 }
 
-template std::vector<Point3> draw_start(const BoxDomain3&, const VoxelDensity&, const VoxelDensity&, const VoxelTiers&,
+template std::vector<Point3> draw_start(const BoxDomain3&, const VoxelDensity&, const VoxelDensity&, const VoxelZones&,
                                         std::size_t, std::span<const Point3>, std::uint64_t, const std::stop_token&);
-template std::vector<Point3> draw_start(const SolidDomain&, const VoxelDensity&, const VoxelDensity&, const VoxelTiers&,
+template std::vector<Point3> draw_start(const SolidDomain&, const VoxelDensity&, const VoxelDensity&, const VoxelZones&,
                                         std::size_t, std::span<const Point3>, std::uint64_t, const std::stop_token&);
 
 }  // namespace ccdt

@@ -99,5 +99,24 @@ TEST(Zones, AreCellsThatHoldSeveralSites) {
     EXPECT_EQ(count_of(grid(4)), 1u);
 }
 
+TEST(Zones, DivideBlocksInSpace) {
+    constexpr std::size_t kVoxels = 12;
+    std::vector<float> values;
+    for (std::size_t i = 0; i < kVoxels * kVoxels * kVoxels; ++i)
+        values.push_back((i % kVoxels / 3 + i / kVoxels % kVoxels / 3 + i / kVoxels / kVoxels / 3) % 2 == 0 ? 1
+                                                                                                            : 0.01F);
+    const auto zones = find_zones({kVoxels, kVoxels, kVoxels}, values, false, 1000);
+    EXPECT_EQ(count_of(zones), 64u);
+    EXPECT_EQ(std::ranges::count(zones, zones[0]), 27);
+    EXPECT_TRUE(find_zones({kVoxels, kVoxels, kVoxels}, values, false, 60).empty()) << "few sites";
+}
+
+TEST(Zones, JoinLayersOfATorus) {
+    std::vector<float> values;
+    for (int layer = 0; layer < 8; ++layer) values.insert(values.end(), 16, layer == 3 || layer == 4 ? 1.0F : 0.1F);
+    EXPECT_EQ(count_of(find_zones({4, 4, 8}, values, true, 20)), 2u);
+    EXPECT_EQ(count_of(find_zones({4, 4, 8}, values, false, 20)), 3u);
+}
+
 }  // namespace
 }  // namespace ccdt

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <span>
@@ -130,6 +131,34 @@ TEST(DistributeInVolume, PutsTheirShareOfPointsOnBothSidesOfSteps) {
                 const double exact = 1500 * sparse / all;
                 EXPECT_NEAR(static_cast<double>(found), exact, low == 0 ? 0 : std::max(2.0, 0.02 * exact)) << low;
                 EXPECT_GT(distances(domain, result.points).least, quality == Quality::Draft ? 0 : 0.4) << low;
+            }
+        }
+    }
+}
+
+TEST(DistributeInVolume, PutsTheirShareOfPointsInThinLayersAndSmallBlocks) {
+    constexpr std::size_t kVoxels = 16;
+    const auto layer = [](std::size_t i) { return i / kVoxels % kVoxels / 2 == 3; };
+    const auto block = [](std::size_t i) {
+        return (i % kVoxels / 4 + i / kVoxels % kVoxels / 4 + i / kVoxels / kVoxels / 4) % 2 == 0;
+    };
+    for (const std::function<bool(std::size_t)>& is_dense : {std::function<bool(std::size_t)>(layer), {block}}) {
+        for (const double low : {1e-6, 0.01, 0.1}) {
+            std::vector<double> values;
+            for (std::size_t i = 0; i < kVoxels * kVoxels * kVoxels; ++i) values.push_back(is_dense(i) ? 1 : low);
+            const VoxelDensity density = VoxelDensity::create({kVoxels, kVoxels, kVoxels}, values).value();
+            double sparse = 0, all = 0;
+            for (std::size_t i = 0; i < values.size(); ++i) {
+                all += values[i];
+                if (!is_dense(i)) sparse += low;
+            }
+            for (const BoxDomain3& domain : {kBox, kTorus}) {
+                for (const Quality quality : {Quality::Draft, Quality::Standard}) {
+                    const VolumeDistribution result = distributed(domain, {.sites = 200, .quality = quality}, density);
+                    const auto found =
+                        std::ranges::count_if(result.points, [&](Point3 p) { return !is_dense(density.voxel_at(p)); });
+                    EXPECT_NEAR(static_cast<double>(found), 200 * sparse / all, 2) << low;
+                }
             }
         }
     }

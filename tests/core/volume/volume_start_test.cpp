@@ -16,7 +16,7 @@ namespace {
 std::ptrdiff_t sites_below(std::size_t sites, const std::vector<Point3>& fixed) {
     const VoxelDensity uniform = VoxelDensity::uniform();
     const std::vector<Point3> drawn =
-        draw_start(BoxDomain3{}, uniform, uniform, VoxelTiers(uniform, false, 1000), sites, fixed, 1, {});
+        draw_start(BoxDomain3{}, uniform, uniform, VoxelZones(uniform, false, 1000), sites, fixed, 1, {});
     EXPECT_EQ(drawn.size(), sites + fixed.size());
     EXPECT_TRUE(std::ranges::equal(std::span(drawn).last(fixed.size()), fixed));
     return std::ranges::count_if(std::span(drawn).first(sites), [](Point3 p) { return p.x < 0.5; });
