@@ -297,10 +297,12 @@ private:
         }
         // A reflection would turn the triangles over.
         const bool is_reflected = !skin_of(instance) && matrices_[instance.node].determinant() < 0;
-        for (std::size_t i = 0; i < primitive.triangles(); ++i) {
+        const std::size_t triangles = primitive.triangles();
+        for (std::size_t i = 0; i < triangles; ++i) {
             std::array<std::uint32_t, 3> corners{};
+            const auto elements = primitive.triangle(i);
             for (std::size_t k = 0; k < 3; ++k) {
-                const std::size_t corner = primitive.triangle(i)[k];
+                const std::size_t corner = elements[k];
                 const double vertex = indices ? indices->at(corner, 0) : static_cast<double>(corner);
                 if (!(vertex >= 0 && vertex < static_cast<double>(primitive.vertices)))
                     return gltf_.wrong("triangle " + std::to_string(i) + " of mesh " + std::to_string(instance.mesh) +

@@ -15,17 +15,6 @@ namespace {
 constexpr std::size_t kMost = std::size_t{1} << 32;
 constexpr std::string_view kData = "data:";
 
-// Types of components, constants of OpenGL.
-constexpr std::uint32_t kByte = 5120, kUnsignedByte = 5121, kShort = 5122, kUnsignedShort = 5123, kUnsignedInt = 5125,
-                        kFloat = 5126;
-
-/// Returns the size of a type in bytes; 0 for unknown types.
-std::size_t size_of_type(std::size_t type) {
-    if (type == kByte || type == kUnsignedByte) return 1;
-    if (type == kShort || type == kUnsignedShort) return 2;
-    return type == kUnsignedInt || type == kFloat ? 4 : 0;
-}
-
 std::size_t components_of(std::string_view shape) {
     constexpr auto kShapes = std::to_array<std::pair<std::string_view, std::size_t>>(
         {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT4", 16}});
@@ -103,28 +92,6 @@ Result<Parts> parts_of_glb(std::string_view bytes) {
 }
 
 }  // namespace
-
-double GltfAccessor::at(std::size_t element, std::size_t component) const {
-    const char* const from =
-        (own_.empty() ? bytes_.data() : own_.data()) + element * stride_ + component * size_of_type(type_);
-    const auto normalised = [this](double value, double largest) {
-        return is_normalised_ ? std::max(value / largest, -1.0) : value;
-    };
-    switch (type_) {
-        case kByte:
-            return normalised(number_at<std::int8_t>(from), 127);
-        case kUnsignedByte:
-            return normalised(number_at<std::uint8_t>(from), 255);
-        case kShort:
-            return normalised(number_at<std::int16_t>(from), 32767);
-        case kUnsignedShort:
-            return normalised(number_at<std::uint16_t>(from), 65535);
-        case kUnsignedInt:
-            return number_at<std::uint32_t>(from);
-        default:
-            return double{number_at<float>(from)};
-    }
-}
 
 Result<GltfDocument> GltfDocument::parse(std::string_view bytes, SurfaceFormat format) {
     const auto parts = format == SurfaceFormat::Glb ? parts_of_glb(bytes) : Result<Parts>(Parts{bytes});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -10,10 +11,22 @@
 #include <vector>
 
 #include "api/json/json_document.h"
+#include "api/surface/bytes.h"
 #include "api/surface/surface_format.h"
 #include "core/result.h"
 
 namespace ccdt::api {
+
+// Types of components, constants of OpenGL.
+constexpr std::uint32_t kByte = 5120, kUnsignedByte = 5121, kShort = 5122, kUnsignedShort = 5123, kUnsignedInt = 5125,
+                        kFloat = 5126;
+
+/// Returns the size of a type in bytes; 0 for unknown types.
+constexpr std::size_t size_of_type(std::size_t type) {
+    if (type == kByte || type == kUnsignedByte) return 1;
+    if (type == kShort || type == kUnsignedShort) return 2;
+    return type == kUnsignedInt || type == kFloat ? 4 : 0;
+}
 
 /// Elements of an accessor of a glTF, as numbers.
 class GltfAccessor {
@@ -35,6 +48,28 @@ private:
     std::uint32_t type_ = 0;  ///< constant of OpenGL
     bool is_normalised_ = false;
 };
+
+inline double GltfAccessor::at(std::size_t element, std::size_t component) const {
+    const char* const from =
+        (own_.empty() ? bytes_.data() : own_.data()) + element * stride_ + component * size_of_type(type_);
+    const auto normalised = [this](double value, double largest) {
+        return is_normalised_ ? std::max(value / largest, -1.0) : value;
+    };
+    switch (type_) {
+        case kByte:
+            return normalised(number_at<std::int8_t>(from), 127);
+        case kUnsignedByte:
+            return normalised(number_at<std::uint8_t>(from), 255);
+        case kShort:
+            return normalised(number_at<std::int16_t>(from), 32767);
+        case kUnsignedShort:
+            return normalised(number_at<std::uint16_t>(from), 65535);
+        case kUnsignedInt:
+            return number_at<std::uint32_t>(from);
+        default:
+            return double{number_at<float>(from)};
+    }
+}
 
 /// The JSON and the buffers of a glTF 2.0. Access to its members is safe for any JSON.
 class GltfDocument {

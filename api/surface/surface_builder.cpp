@@ -14,8 +14,7 @@ namespace {
 
 constexpr float kNoColour = std::numeric_limits<float>::quiet_NaN();
 
-Result<void> check_corners_of_face(SurfaceFormat format, std::size_t corners, const FacePlace& place) {
-    if (corners <= kMaxCorners) return {};
+tl::unexpected<Error> too_many_corners(SurfaceFormat format, const FacePlace& place) {
     return unusable_surface(format,
                             place.text() + " has more than " + std::to_string(kMaxCorners) + " corners, the limit");
 }
@@ -29,7 +28,8 @@ bool is_finite(Point3 p) {
 Result<void> SurfaceCounter::face(std::size_t corners, const FacePlace& place) {
     size_.triangles += corners > 2 ? corners - 2 : 0;
     size_.bytes += corners > 3 ? 8 : 0;
-    return check_corners_of_face(format_, corners, place);
+    if (corners > kMaxCorners) return too_many_corners(format_, place);
+    return {};
 }
 
 SurfaceBuilder::SurfaceBuilder(SurfaceFormat format, const SurfaceSize& size)
@@ -67,7 +67,7 @@ Result<void> SurfaceBuilder::face(std::span<const std::uint32_t> corners, const 
         warn("faces with fewer than three corners are ignored", place.text());
         return {};
     }
-    if (const auto checked = check_corners_of_face(format_, corners.size(), place); !checked) return checked;
+    if (corners.size() > kMaxCorners) return too_many_corners(format_, place);
     const std::uint32_t largest = *std::ranges::max_element(corners);
     if (largest > largest_) {
         largest_ = largest;
