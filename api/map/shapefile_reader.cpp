@@ -180,7 +180,11 @@ public:
             }
             const char* const value = DBFReadStringAttribute(table_.get(), row, field.column);
             if (value == nullptr) return unusable("the .dbf file is truncated");
-            append_value(out, field.type, value);
+            // For shapelib, a value of NULs is not null in every type.
+            if (*value == '\0')
+                out += "null";
+            else
+                append_value(out, field.type, value);
         }
         out += '}';
         return {};

@@ -203,6 +203,8 @@ TEST(Shapefile, ReadsValuesByTheirTypes) {
     EXPECT_EQ(property({"l", 'L', 1}, "T"), true);
     EXPECT_EQ(property({"l", 'L', 1}, "n"), false);
     EXPECT_TRUE(property({"l", 'L', 1}, "?").is_null());
+    EXPECT_TRUE(property({"l", 'L', 1}, std::string(1, '\0')).is_null());
+    EXPECT_TRUE(property({"d", 'D', 8}, std::string(8, '\0')).is_null());
     EXPECT_EQ(property({"c", 'C', 9}, "a \"b\" \\"), "a \"b\" \\");
     EXPECT_TRUE(property({"c", 'C', 9}, "").is_null());
 }
