@@ -113,7 +113,9 @@ private:
             sink_.need(kVertex);
         } else {
             Point3 at{n[0], n[1], n[2]};
-            if (*size == 4 && n[3] != 1) {
+            if (*size == 4 && n[3] == 0) {
+                at.x = std::numeric_limits<double>::infinity();
+            } else if (*size == 4 && n[3] != 1) {
                 at = {n[0] / n[3], n[1] / n[3], n[2] / n[3]};
                 sink_.warn("coordinates are divided by the fourth one", "line " + std::to_string(words_.line()));
             }

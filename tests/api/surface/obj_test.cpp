@@ -124,6 +124,7 @@ TEST(Obj, NamesThePlaceOfAnError) {
     expect_refused(vertices() + "f 1 2 0\n", "face 0 (line 9) has the corner \"0\"");
     expect_refused(vertices() + "f 1/3 2/3 3/3\n", "refers to texture coordinates 3, but there are only 0");
     expect_refused(vertices() + faces() + "v -1.#IND 1.#QNAN 1.#INF\nf 9 1 2\n", "vertex 8 (line 15) is not finite");
+    expect_refused(vertices() + faces() + "v 0 0 0 0\nf 9 1 2\n", "vertex 8 (line 15) is not finite");
     expect_refused(vertices() + "f 1 2 x\n", "has the corner \"x\"");
 }
 
