@@ -328,7 +328,7 @@ class Errors(Folder):
                 (2, ("halftone", PICTURE, "--format=gif"), "--format 'gif' is not available here; the formats are png,"),
                 (2, ("halftone", PICTURE, "--format=pdf"), "--width-mm (the width of the drawing in millimetres)"),
                 (2, ("sample", *domain), "--sites"),
-                (2, ("sample", MESH, "--sites=3", "-o", "x.png"), "--format 'png' is not available here; the formats are json, csv, npy, ply, glb"),
+                (2, ("sample", MESH, "--sites=3", "-o", "x.png"), "--output x.png sets --format=png: format 'png' is not available here; the formats are json, csv, npy, ply, glb"),
                 (2, ("sample", "--domain=solid", "--sites=3"), "--domain solid needs a mesh"),
                 (2, ("sample", *domain, "--sites=3", "--max_frequency=3"), "--max_frequency is not an option"),
                 (2, ("sample", "--domain={", "--sites=3"), "--domain is not valid JSON: error at byte"),
