@@ -76,6 +76,7 @@ Result<Answer> run_surface_analyze(const SurfaceAnalyzeRequest& request, const D
     const auto made = Surface::create(read->soup, std::nullopt, control.stop);
     if (!made) return tl::unexpected(made.error());
     const Surface& surface = made->surface;
+    timings.prepare = watch.lap();
     std::vector<SurfacePoint> points;
     for (const Point3& p : request.points) {
         if (control.stop.stop_requested()) break;

@@ -231,6 +231,7 @@ Result<Answer> run_device(const DeviceRequest& request, const Limits& limits, co
     Reading reading(limits.max_pixels);
     if (request.alpha == AlphaMixing::Display) reading.ground = light_of(request.background);
     auto picture = decode.colour(request.image.bytes, reading, control.stop);
+    timings.decode = watch.lap();
     if (!picture) return failure(picture.error().code, picture.error().message, request.image_field);
     Answer answer;
     answer.pixels = static_cast<std::size_t>(picture->width) * static_cast<std::size_t>(picture->height);
@@ -240,7 +241,7 @@ Result<Answer> run_device(const DeviceRequest& request, const Limits& limits, co
         request, swaps ? FrameSize{picture->height, picture->width} : FrameSize{picture->width, picture->height});
     if (auto fits = check_size(request, frame, limits); !fits) return tl::unexpected(fits.error());
     const LightPlanes light = to_frame(*std::move(picture), request, executor);
-    timings.decode = watch.lap();
+    timings.prepare = watch.lap();
     if (auto going = check_stop(control.stop); !going) return tl::unexpected(going.error());
 
     const std::vector<Light> seen = light_of(request.device.seen), sent = light_of(request.device.sent);

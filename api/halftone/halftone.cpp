@@ -5,6 +5,7 @@
 #include <array>
 #include <utility>
 
+#include "api/decode/timed_decode.h"
 #include "api/halftone/drawing_size.h"
 #include "api/halftone/halftone_answer.h"
 #include "api/input/negotiation.h"
@@ -313,15 +314,15 @@ Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::ve
 Result<PlacedHalftone> place_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
                                       const Control& control, Timings& timings) {
     Stopwatch watch;
-    auto plan = plan_halftone(request, limits, decode, control);
-    timings.decode = watch.lap();
+    auto plan = plan_halftone(request, limits, timed(decode, timings.decode), control);
+    timings.prepare = watch.lap() - timings.decode;
     if (!plan) return tl::unexpected(plan.error());
     if (auto going = check_stop(control.stop); !going) return tl::unexpected(going.error());
 
     auto dots = place_dots(request, *plan, control);
     timings.optimise = watch.lap();
     if (!dots) return tl::unexpected(dots.error());
-    return PlacedHalftone{*std::move(plan), *std::move(dots), timings.decode + timings.optimise};
+    return PlacedHalftone{*std::move(plan), *std::move(dots), timings.decode + timings.prepare + timings.optimise};
 }
 
 Result<Answer> write_answer(const HalftoneRequest& request, const PlacedHalftone& placed, const PointFormat& format,

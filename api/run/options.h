@@ -32,7 +32,8 @@ struct TextOption {
 
 /// Milliseconds spent in each stage, for Server-Timing.
 struct Timings {
-    double decode = 0;     ///< decoding and preparation
+    double decode = 0;     ///< decoding of files
+    double prepare = 0;    ///< domains, densities and, for halftones, the plan of the drawing
     double optimise = 0;   ///< distribution or analysis of points
     double encode = 0;     ///< writing of the answer
     double processor = 0;  ///< processor time of all threads and of decoders; set by the caller that runs the threads

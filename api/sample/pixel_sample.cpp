@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "api/decode/timed_decode.h"
 #include "api/input/negotiation.h"
 #include "api/input/option_reader.h"
 #include "api/input/run_options.h"
@@ -260,11 +261,11 @@ Result<Answer> run_pixels(const PixelRequest& request, const Limits& limits, con
     Stopwatch watch;
     const auto& [width, height] = request.raster;
     Executor& executor = *control.executor;
-    const auto shares =
-        make_density(request.density, YAxis::Down, limits, decode, control).and_then([&](const Density& density) {
-            timings.decode = watch.lap();
-            return make_shares(request, density, executor);
-        });
+    const auto shares = make_density(request.density, YAxis::Down, limits, timed(decode, timings.decode), control)
+                            .and_then([&](const Density& density) {
+                                timings.prepare = watch.lap() - timings.decode;
+                                return make_shares(request, density, executor);
+                            });
     if (!shares) return tl::unexpected(shares.error());
     if (auto going = check_stop(control.stop); !going) return tl::unexpected(going.error());
     const auto chosen = choose_pixels(*shares, width, height, request.seed, control.stop, executor);

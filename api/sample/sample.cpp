@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "api/decode/timed_decode.h"
 #include "api/input/degrees.h"
 #include "api/output/json_writer.h"
 #include "api/run/stopwatch.h"
@@ -59,12 +60,13 @@ Result<PlacedSample> place_sample(const SampleRequest& request, const Limits& li
                                   const Control& control, Timings& timings) {
     assert(!request.threshold_mask);
     Stopwatch watch;
-    auto area = make_area(request, limits, decode, control.stop);
+    const Decode timed_decode = timed(decode, timings.decode);
+    auto area = make_area(request, limits, timed_decode, control.stop);
     if (!area) return tl::unexpected(area.error());
     const auto page = plan_page(request, *request.output.format, area->whole, limits);
     if (!page) return tl::unexpected(page.error());
-    const auto density = make_density(request.density, YAxis::Up, limits, decode, control);
-    timings.decode = watch.lap();
+    const auto density = make_density(request.density, YAxis::Up, limits, timed_decode, control);
+    timings.prepare = watch.lap() - timings.decode;
     if (!density) return tl::unexpected(density.error());
 
     auto placed = place_points(request, *area, *density, control);
@@ -72,7 +74,7 @@ Result<PlacedSample> place_sample(const SampleRequest& request, const Limits& li
     if (!placed) return tl::unexpected(placed.error());
     if (auto warned = warn_of_lost(request, placed->lost, *area); !warned) return tl::unexpected(warned.error());
     warn_of_degrees(request.region, *area);
-    return PlacedSample{*std::move(area), *std::move(placed), timings.decode + timings.optimise};
+    return PlacedSample{*std::move(area), *std::move(placed), timings.decode + timings.prepare + timings.optimise};
 }
 
 Result<Answer> write_answer(const SampleRequest& request, const PlacedSample& sample, const PointFormat& format,

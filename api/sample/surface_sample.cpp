@@ -168,6 +168,7 @@ Result<PlacedSurface> place_sample3(const SurfaceRequest& request, const Decode&
     const auto density = make_density(request, made->surface, *read, control.stop);
     if (!density) return tl::unexpected(density.error());
     if (!read->picture_error.empty()) made->warnings.push_back({read->picture_error});
+    timings.prepare = watch.lap();
     auto dots = distribute_on_surface(made->surface, *density, request.run, control);
     if (dots) order_points(request, made->surface, *density, control, *dots);
     timings.optimise = watch.lap();
@@ -175,9 +176,13 @@ Result<PlacedSurface> place_sample3(const SurfaceRequest& request, const Decode&
     if (auto whole = check_whole(dots->stopped, request.on_deadline); !whole) return tl::unexpected(whole.error());
     warn_of_rounding(request, made->surface, made->warnings);
     for (std::string& warning : read->warnings) made->warnings.push_back({std::move(warning)});
-    return PlacedSurface{
-        std::move(read->soup), std::move(made->surface), std::move(made->repairs),         std::move(made->warnings),
-        *std::move(dots),      request.run.seed,         timings.decode + timings.optimise};
+    return PlacedSurface{std::move(read->soup),
+                         std::move(made->surface),
+                         std::move(made->repairs),
+                         std::move(made->warnings),
+                         *std::move(dots),
+                         request.run.seed,
+                         timings.decode + timings.prepare + timings.optimise};
 }
 
 Cost cost_of(const SurfaceRequest& request) {

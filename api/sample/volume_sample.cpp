@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "api/decode/timed_decode.h"
 #include "api/input/domain_reader.h"
 #include "api/input/option_reader.h"
 #include "api/input/polygon_reader.h"
@@ -221,17 +222,18 @@ Result<PlacedVolume> place_sample3(const VolumeRequest& request, const Decode& d
     const auto located = [&](Error error) { return request.located(std::move(error)); };
     PlacedVolume placed{.dots = {}, .domain = request.domain, .quality = request.run.quality, .seed = request.run.seed};
     Stopwatch watch;
-    const auto density = make_density(request.density, decode, control.stop).map_error(located);
+    const Decode timed_decode = timed(decode, timings.decode);
+    const auto density = make_density(request.density, timed_decode, control.stop).map_error(located);
     if (!density) return tl::unexpected(density.error());
     if (auto checked = check_quality_for_density(request, density->is_uniform()).map_error(located); !checked)
         return tl::unexpected(checked.error());
     std::optional<Solid> solid;
     if (request.solid) {
-        auto made = make_solid(request, decode, control.stop, placed);
+        auto made = make_solid(request, timed_decode, control.stop, placed);
         if (!made) return tl::unexpected(std::move(made.error()));
         solid = *std::move(made);
     }
-    timings.decode = watch.lap();
+    timings.prepare = watch.lap() - timings.decode;
     auto dots = solid ? distribute_in_solid(*solid, *density, request.run, control)
                       : distribute_in_volume(request.domain, *density, request.run, control);
     if (dots) order_points(request, solid ? &*solid : nullptr, *density, control, *dots);
@@ -239,7 +241,7 @@ Result<PlacedVolume> place_sample3(const VolumeRequest& request, const Decode& d
     if (!dots) return tl::unexpected(located(std::move(dots.error())));
     if (auto whole = check_whole(dots->stopped, request.on_deadline); !whole) return tl::unexpected(whole.error());
     placed.dots = *std::move(dots);
-    placed.elapsed = timings.decode + timings.optimise;
+    placed.elapsed = timings.decode + timings.prepare + timings.optimise;
     return placed;
 }
 

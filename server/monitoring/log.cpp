@@ -89,18 +89,20 @@ std::string exchange_line(const Exchange& exchange, LogFormat format) {
     const Record& record = response.record;
     const auto& stages = record.stages;
     constexpr std::string_view kText =
-        "{} {} {} {} {} in={} out={} total={:.1f} queue={:.1f} decode={:.1f} optimise={:.1f} encode={:.1f}";
+        "{} {} {} {} {} in={} out={} total={:.1f} queue={:.1f} decode={:.1f} prepare={:.1f} optimise={:.1f} "
+        "encode={:.1f}";
     constexpr std::string_view kJson =
         R"("message":"request","id":"{}","client":"{}","method":"{}","target":"{}","status":{},"bytes_in":{},)"
-        R"("bytes_out":{},"total_ms":{:.1f},"queue_ms":{:.1f},"decode_ms":{:.1f},"optimise_ms":{:.1f},)"
-        R"("encode_ms":{:.1f})";
+        R"("bytes_out":{},"total_ms":{:.1f},"queue_ms":{:.1f},"decode_ms":{:.1f},"prepare_ms":{:.1f},)"
+        R"("optimise_ms":{:.1f},"encode_ms":{:.1f})";
     const auto shown = [](std::string_view text) {
         return text.empty() ? "-" : escape(text.substr(0, kMaxTargetLength));
     };
     const bool text = format == LogFormat::Text;
-    std::string line = fmt::format(fmt::runtime(text ? kText : kJson), shown(record.request_id), shown(client),
-                                   shown(request.method), shown(target_of(request)), response.status, in, out, total,
-                                   stages.queue, stages.work.decode, stages.work.optimise, stages.work.encode);
+    std::string line =
+        fmt::format(fmt::runtime(text ? kText : kJson), shown(record.request_id), shown(client), shown(request.method),
+                    shown(target_of(request)), response.status, in, out, total, stages.queue, stages.work.decode,
+                    stages.work.prepare, stages.work.optimise, stages.work.encode);
     const auto add = [&](const char* as_text, const char* as_json, std::string_view value) {
         add_member(line, text ? as_text : as_json, value);
     };
@@ -115,14 +117,15 @@ std::string exchange_line(const Exchange& exchange, LogFormat format) {
 }
 
 std::string job_line(const JobEnd& end, LogFormat format) {
-    constexpr std::string_view kText = "job {} {} result={} queue={:.1f} decode={:.1f} optimise={:.1f} encode={:.1f}";
+    constexpr std::string_view kText =
+        "job {} {} result={} queue={:.1f} decode={:.1f} prepare={:.1f} optimise={:.1f} encode={:.1f}";
     constexpr std::string_view kJson =
         R"("message":"job","job":"{}","status":"{}","result_bytes":{},"queue_ms":{:.1f},"decode_ms":{:.1f},)"
-        R"("optimise_ms":{:.1f},"encode_ms":{:.1f})";
+        R"("prepare_ms":{:.1f},"optimise_ms":{:.1f},"encode_ms":{:.1f})";
     const bool text = format == LogFormat::Text;
     const auto& [queue, work] = end.stages;
     std::string line = fmt::format(fmt::runtime(text ? kText : kJson), end.job.id, name_of(end.job.status),
-                                   end.job.result_bytes, queue, work.decode, work.optimise, work.encode);
+                                   end.job.result_bytes, queue, work.decode, work.prepare, work.optimise, work.encode);
     if (end.job.failure)
         line += fmt::format(fmt::runtime(text ? " error={}" : R"(,"error":{})"), end.job.failure->status);
     const auto add = [&](const char* as_text, const char* as_json, std::string_view value) {

@@ -175,7 +175,7 @@ Metrics::Metrics(std::string_view version) : families_(std::make_unique<Families
     // Creates the counters at the start, so that the rate of an event that has not occurred is 0 rather than missing.
     for (const char* cause : {"client_gone", "deadline", "shutdown"}) all.cancellations.Add({{"cause", cause}});
     for (const char* status : {"succeeded", "failed", "cancelled"}) all.jobs_ended.Add({{"status", status}});
-    for (const char* stage : {"queue", "decode", "optimise", "encode"}) all.stage(stage);
+    for (const char* stage : {"queue", "decode", "prepare", "optimise", "encode"}) all.stage(stage);
 }
 
 Metrics::~Metrics() = default;
@@ -202,8 +202,9 @@ void Metrics::add_computed(const Computed& computed, const Stages& stages) {
     constexpr double kMilliseconds = 1e-3;
     Families& all = *families_;
     const auto& [queue, work] = stages;
-    for (const auto& [name, spent] : {std::pair{"queue", queue}, std::pair{"decode", work.decode},
-                                      std::pair{"optimise", work.optimise}, std::pair{"encode", work.encode}})
+    for (const auto& [name, spent] :
+         {std::pair{"queue", queue}, std::pair{"decode", work.decode}, std::pair{"prepare", work.prepare},
+          std::pair{"optimise", work.optimise}, std::pair{"encode", work.encode}})
         all.stage(name).Observe(spent * kMilliseconds);
     all.threads.Observe(static_cast<double>(work.threads));
     all.processor.Increment(work.processor * kMilliseconds);

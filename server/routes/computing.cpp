@@ -67,6 +67,7 @@ void add_stages(const Stages& more, Record& record) {
     auto& [queue, work] = record.stages;
     queue += more.queue;
     work.decode += more.work.decode;
+    work.prepare += more.work.prepare;
     work.optimise += more.work.optimise;
     work.encode += more.work.encode;
     work.processor += more.work.processor;

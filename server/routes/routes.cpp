@@ -50,9 +50,10 @@ std::string hexadecimal(std::uint64_t number, int digits) {
 
 std::string server_timing(const Stages& stages) {
     const auto& [queue, work] = stages;
-    char text[240];
-    int size = std::snprintf(text, sizeof(text), "queue;dur=%.1f, decode;dur=%.1f, optimise;dur=%.1f, encode;dur=%.1f",
-                             queue, work.decode, work.optimise, work.encode);
+    char text[280];
+    int size = std::snprintf(text, sizeof(text),
+                             "queue;dur=%.1f, decode;dur=%.1f, prepare;dur=%.1f, optimise;dur=%.1f, encode;dur=%.1f",
+                             queue, work.decode, work.prepare, work.optimise, work.encode);
     if (work.threads > 0)
         std::snprintf(text + size, sizeof(text) - static_cast<std::size_t>(size), ", cpu;dur=%.1f, threads;desc=\"%u\"",
                       work.processor, work.threads);

@@ -65,7 +65,7 @@ class EveryAnswer(ServerCase):
         for answer in answers:
             self.assertRegex(answer.headers["x-request-id"], r"^[A-Za-z0-9._-]{1,64}$")
             self.assertRegex(answer.headers["server-timing"],
-                             r"^queue;dur=[\d.]+, decode;dur=[\d.]+, optimise;dur=[\d.]+, encode;dur=[\d.]+"
+                             r"^queue;dur=[\d.]+, decode;dur=[\d.]+, prepare;dur=[\d.]+, optimise;dur=[\d.]+, encode;dur=[\d.]+"
                              r'(, cpu;dur=[\d.]+, threads;desc="\d+")?$')
             self.assertEqual(answer.headers["access-control-allow-origin"], "*")
         self.assertEqual(len({answer.headers["x-request-id"] for answer in answers}), len(answers))

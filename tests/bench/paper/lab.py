@@ -120,7 +120,7 @@ def seconds_of_work(answer):
     """Returns the seconds from the last byte of the request to the first byte of the answer, except the wait for a
     worker."""
     stages = dict(re.findall(r"(\w+);dur=([\d.]+)", answer.headers["server-timing"]))
-    return sum(float(stages[name]) for name in ("decode", "optimise", "encode")) / 1000
+    return sum(float(stages[name]) for name in ("decode", "prepare", "optimise", "encode")) / 1000
 
 
 def data_of(file):

@@ -53,7 +53,7 @@ bool can_meet(Executor& executor, std::size_t count) {
 /// Replaces the computation: performs the action that the path of the request names, in the computation process.
 Result<api::Answer> obey(const ComputeRequest& request, const Delivery& delivery, const api::Limits& limits,
                          const api::Decode&, const Control& control, api::Timings& timings) {
-    timings = {1, 2, 3};
+    timings = {1, 2, 3, 4};
     if (request.path == "abort") std::abort();
     if (request.path == "die" && !std::filesystem::exists(request.query)) {
         std::ofstream(request.query) << getpid();
@@ -192,7 +192,7 @@ TEST_F(ComputeSupervisorTest, TransfersTheWholeAnswer) {
     EXPECT_EQ(answer->sites, 7U);
     EXPECT_TRUE(answer->partial);
     EXPECT_FALSE(answer->repeats);
-    EXPECT_EQ(timings_.decode + 10 * timings_.optimise + 100 * timings_.encode, 321);
+    EXPECT_EQ(timings_.decode + 10 * timings_.prepare + 100 * timings_.optimise + 1000 * timings_.encode, 4321);
 }
 
 TEST_F(ComputeSupervisorTest, StreamsPiecesToTheTaker) {

@@ -13,7 +13,7 @@ Exchange example() {
     exchange.response.status = 500;
     exchange.response.record.request_id = "abc-1";
     exchange.response.record.cause = "out of \"luck\"";
-    exchange.response.record.stages = {1, {2, 3, 4}};
+    exchange.response.record.stages = {1, {2, 3, 4, 5}};
     exchange.client = "127.0.0.1:5";
     exchange.bytes_in = 10;
     exchange.bytes_out = 20;
@@ -24,15 +24,15 @@ Exchange example() {
 TEST(Log, WritesARequestOnOneLine) {
     EXPECT_EQ(exchange_line(example(), LogFormat::Text),
               R"(abc-1 127.0.0.1:5 POST /a=\"\u000d\u000a\u001b[1m\u00ff\\ 500 in=10 out=20 total=30.0 )"
-              R"(queue=1.0 decode=2.0 optimise=3.0 encode=4.0 cause="out of \"luck\"")");
+              R"(queue=1.0 decode=2.0 prepare=3.0 optimise=4.0 encode=5.0 cause="out of \"luck\"")");
 }
 
 TEST(Log, WritesARequestAsJson) {
     EXPECT_EQ(exchange_line(example(), LogFormat::Json),
               R"("message":"request","id":"abc-1","client":"127.0.0.1:5","method":"POST",)"
               R"("target":"/a=\"\u000d\u000a\u001b[1m\u00ff\\","status":500,"bytes_in":10,"bytes_out":20,)"
-              R"("total_ms":30.0,"queue_ms":1.0,"decode_ms":2.0,"optimise_ms":3.0,"encode_ms":4.0,)"
-              R"("cause":"out of \"luck\"")");
+              R"("total_ms":30.0,"queue_ms":1.0,"decode_ms":2.0,"prepare_ms":3.0,"optimise_ms":4.0,)"
+              R"("encode_ms":5.0,"cause":"out of \"luck\"")");
 }
 
 TEST(Log, LogsKeyAndTrace) {
@@ -98,14 +98,16 @@ TEST(Log, WritesAJobOnOneLine) {
     end.job.owner = "alice";
     end.job.status = JobStatus::Failed;
     end.job.failure = Problem{500, {}};
-    end.stages = {1, {2, 3, 4}};
+    end.stages = {1, {2, 3, 4, 5}};
     end.cause = "out of \"luck\"";
-    EXPECT_EQ(job_line(end, LogFormat::Text),
-              R"(job 0123 failed result=0 queue=1.0 decode=2.0 optimise=3.0 encode=4.0 error=500 key=alice )"
-              R"(cause="out of \"luck\"")");
-    EXPECT_EQ(job_line(end, LogFormat::Json),
-              R"("message":"job","job":"0123","status":"failed","result_bytes":0,"queue_ms":1.0,"decode_ms":2.0,)"
-              R"("optimise_ms":3.0,"encode_ms":4.0,"error":500,"key":"alice","cause":"out of \"luck\"")");
+    EXPECT_EQ(
+        job_line(end, LogFormat::Text),
+        R"(job 0123 failed result=0 queue=1.0 decode=2.0 prepare=3.0 optimise=4.0 encode=5.0 error=500 key=alice )"
+        R"(cause="out of \"luck\"")");
+    EXPECT_EQ(
+        job_line(end, LogFormat::Json),
+        R"("message":"job","job":"0123","status":"failed","result_bytes":0,"queue_ms":1.0,"decode_ms":2.0,)"
+        R"("prepare_ms":3.0,"optimise_ms":4.0,"encode_ms":5.0,"error":500,"key":"alice","cause":"out of \"luck\"")");
 }
 
 TEST(Log, LogsTheTraceOfAJob) {
