@@ -8,8 +8,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 
 #include "api/image/broken_image.h"
+#include "api/image/heif_properties.h"
 
 namespace ccdt::api {
 namespace {
@@ -26,7 +28,9 @@ Decoder make_decoder(std::string_view bytes) {
     decoder->imageSizeLimit = AVIF_DEFAULT_IMAGE_SIZE_LIMIT;
     decoder->imageDimensionLimit = kMaxAvifSide;
     // Many files lack the property pixi, and browsers show them.
-    decoder->strictFlags = AVIF_STRICT_ENABLED & ~static_cast<avifStrictFlags>(AVIF_STRICT_PIXI_REQUIRED);
+    // The reader of the header checks crops. Unlike the library, it allows those that divide blocks of chroma.
+    decoder->strictFlags =
+        AVIF_STRICT_ENABLED & ~static_cast<avifStrictFlags>(AVIF_STRICT_PIXI_REQUIRED | AVIF_STRICT_CLAP_VALID);
     avifDecoderSetSource(decoder.get(), AVIF_DECODER_SOURCE_PRIMARY_ITEM);
     avifDecoderSetIOMemory(decoder.get(), reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
     return decoder;
@@ -67,13 +71,15 @@ public:
     bool has_alpha() const { return rgb_.format == AVIF_RGB_FORMAT_RGBA; }
     int channels() const { return (is_grey_ ? 1 : 3) + (has_alpha() ? 1 : 0); }
 
+    /// Reads rows of the part that is shown.
     template <class Sample>
-    void read(int begin, int end, Sample* to) const {
+    void read(const HeifView& view, int begin, int end, Sample* to) const {
         const std::size_t stored = has_alpha() ? 4 : 3;
         const std::size_t colours = is_grey_ ? 1 : 3;
         for (auto y = static_cast<std::size_t>(begin); y < static_cast<std::size_t>(end); ++y) {
-            const auto* pixel = reinterpret_cast<const Sample*>(rgb_.pixels + y * rgb_.rowBytes);
-            for (std::uint32_t x = 0; x < rgb_.width; ++x, pixel += stored) {
+            const auto* row = reinterpret_cast<const Sample*>(rgb_.pixels + (view.top + y) * rgb_.rowBytes);
+            const Sample* pixel = row + view.left * stored;
+            for (std::uint32_t x = 0; x < view.width; ++x, pixel += stored) {
                 to = std::copy_n(pixel, colours, to);
                 if (has_alpha()) *to++ = pixel[3];
             }
@@ -85,6 +91,10 @@ private:
     bool is_grey_ = false;
 };
 
+tl::unexpected<Error> not_read(const std::string& kind) {
+    return failure(ErrorCode::Unusable, "the server does not read this kind of image: an AVIF with " + kind);
+}
+
 }  // namespace
 
 Result<RowSource> open_avif(std::string_view bytes, const ImageHeader& header) {
@@ -92,31 +102,34 @@ Result<RowSource> open_avif(std::string_view bytes, const ImageHeader& header) {
     const Decoder decoder = make_decoder(bytes);
     if (avifDecoderParse(decoder.get()) != AVIF_RESULT_OK) return broken_image();
     const avifImage& image = *decoder->image;
-    if (image.width != header.width || image.height != header.height) return broken_image();
-    if ((image.transformFlags & AVIF_TRANSFORM_CLAP) != 0)
-        return failure(ErrorCode::Unusable, "the server does not read this kind of image: an AVIF with a crop (clap)");
+    const auto view = heif_view(heif_properties(bytes));
+    if (!view || view->width != header.width || view->height != header.height) return broken_image();
+    const auto has_whole_size = [&] { return image.width == view->whole_width && image.height == view->whole_height; };
+    if (!has_whole_size()) return broken_image();
+    if (const std::string_view grid = misread_grid(bytes); !grid.empty()) return not_read(std::string(grid));
     // The codec is opened below, with this limit.
+    const std::uint64_t pixels_of_whole = std::uint64_t{view->whole_width} * view->whole_height;
     decoder->imageSizeLimit =
-        static_cast<std::uint32_t>(std::min<std::uint64_t>(header.pixels(), decoder->imageSizeLimit));
-    if (avifDecoderNextImage(decoder.get()) != AVIF_RESULT_OK) return broken_image();
-    if (image.width != header.width || image.height != header.height) return broken_image();
+        static_cast<std::uint32_t>(std::min<std::uint64_t>(pixels_of_whole, decoder->imageSizeLimit));
+    if (avifDecoderNextImage(decoder.get()) != AVIF_RESULT_OK || !has_whole_size()) return broken_image();
     const auto pixels = std::make_shared<Pixels>();
-    if (!pixels->convert(image)) return broken_image();
+    if (!pixels->convert(image))
+        return not_read("the matrix " + std::to_string(image.matrixCoefficients) + " of H.273");
 
     RowSource source;
-    source.width = static_cast<int>(image.width);
-    source.height = static_cast<int>(image.height);
+    source.width = static_cast<int>(view->width);
+    source.height = static_cast<int>(view->height);
     source.channels = pixels->channels();
     source.alpha = pixels->has_alpha() ? source.channels - 1 : -1;
     source.premultiplied = pixels->has_alpha() && image.alphaPremultiplied != AVIF_FALSE;
     source.sample = image.depth > 8 ? RowSource::Sample::Word : RowSource::Sample::Byte;
     source.orientation = orientation_of(image);
     source.step = kRows;
-    source.read = [pixels, sample = source.sample](int begin, int end, void* rows) {
+    source.read = [pixels, view = *view, sample = source.sample](int begin, int end, void* rows) {
         if (sample == RowSource::Sample::Byte) {
-            pixels->read(begin, end, static_cast<std::uint8_t*>(rows));
+            pixels->read(view, begin, end, static_cast<std::uint8_t*>(rows));
         } else {
-            pixels->read(begin, end, static_cast<std::uint16_t*>(rows));
+            pixels->read(view, begin, end, static_cast<std::uint16_t*>(rows));
         }
         return true;
     };

@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 
 namespace ccdt::api {
 namespace {
@@ -65,6 +67,76 @@ std::vector<std::uint32_t> numbers_of(std::string_view associations, std::uint32
     return numbers;
 }
 
+/// References from an item to other items.
+struct References {
+    std::string_view type;
+    std::uint32_t from = 0;
+    std::vector<std::uint32_t> to;
+};
+
+/// Returns the references between items. Source: ISO/IEC 14496-12, 8.11.12.
+std::vector<References> all_references(std::string_view meta) {
+    const auto list = find_box(meta, "iref");
+    if (!list) return {};
+    const std::size_t size = ByteReader(list->data, true).read(0, 1) == 0U ? 2 : 4;
+    std::vector<References> all;
+    for (auto box = media_box(list->data, kVersion); box; box = media_box(list->data, box->end)) {
+        const ByteReader reader(box->data, true);
+        References found{box->name, reader.read(0, size).value_or(0), {}};
+        const std::size_t count = reader.read(size, 2).value_or(0);
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto item = reader.read(size + 2 + i * size, size);
+            if (!item) break;
+            found.to.push_back(*item);
+        }
+        all.push_back(std::move(found));
+    }
+    return all;
+}
+
+/// Returns the first pixel of a crop along an axis; none if the crop is not within the picture.
+/// @param length  of the crop, in pixels
+/// @param at      offset of the property's fraction for the offset of the crop from the middle
+std::optional<std::uint32_t> first_of_crop(const ByteReader& crop, std::size_t at, std::uint32_t whole,
+                                           std::uint32_t length) {
+    const auto numerator = crop.read(at, 4), denominator = crop.read(at + 4, 4);
+    if (!numerator || !denominator || *denominator == 0 || length == 0 || length > whole) return std::nullopt;
+    const double offset = static_cast<double>(static_cast<std::int32_t>(*numerator)) / *denominator;
+    const double first = std::floor((whole - length) / 2.0 + offset);
+    if (!(first >= 0 && first <= whole - length)) return std::nullopt;
+    return static_cast<std::uint32_t>(first);
+}
+
+/// Returns the whole part of a fraction; 0 if it is not a number.
+std::uint32_t whole_part(const ByteReader& reader, std::size_t at) {
+    const auto numerator = reader.read(at, 4).value_or(0), denominator = reader.read(at + 4, 4).value_or(0);
+    return denominator == 0 ? 0 : numerator / denominator;
+}
+
+/// Returns the properties of an item; empty if the file is broken.
+std::vector<Chunk> properties_of(std::string_view meta, std::uint32_t item) {
+    const auto properties = find_box(meta, "iprp");
+    const auto container = properties ? find_box(properties->data, "ipco") : std::nullopt;
+    if (!container) return {};
+    const std::vector<Chunk> all = all_properties(container->data);
+    std::vector<Chunk> found;
+    for (auto box = media_box(properties->data, 0); box && found.empty(); box = media_box(properties->data, box->end)) {
+        if (box->name != "ipma") continue;
+        for (const std::uint32_t number : numbers_of(box->data, item)) {
+            if (number >= 1 && number <= all.size()) found.push_back(all[number - 1]);
+        }
+    }
+    return found;
+}
+
+/// Returns whether an item is the alpha of another one, according to its properties. Source: HEIF, 6.5.8; MIAF (ISO/IEC
+/// 23000-22), 7.3.5.2.
+bool is_alpha(std::string_view meta, std::uint32_t item) {
+    return std::ranges::any_of(properties_of(meta, item), [](const Chunk& property) {
+        return property.name == "auxC" && property.data.find("auxiliary:alpha") != std::string_view::npos;
+    });
+}
+
 /// Returns whether the first box of a file, which may be truncated, lists one of the brands.
 bool has_brand(std::string_view bytes, std::span<const std::string_view> brands) {
     constexpr std::size_t kName = 4, kBrands = 8, kMinorVersion = 12;
@@ -97,6 +169,44 @@ bool is_heic(std::string_view bytes) {
     return !is_avif(bytes) && has_brand(bytes, kBrands);
 }
 
+std::optional<HeifView> heif_view(std::span<const Chunk> properties) {
+    HeifView view;
+    const Chunk* crop = nullptr;
+    for (const Chunk& property : properties) {
+        const ByteReader reader(property.data, true);
+        if (property.name == "ispe") {
+            view.whole_width = view.width = reader.read(kVersion, 4).value_or(0);
+            view.whole_height = view.height = reader.read(kVersion + 4, 4).value_or(0);
+        }
+        if (property.name == "clap") crop = &property;
+    }
+    if (crop == nullptr) return view;
+    const ByteReader reader(crop->data, true);
+    view.width = whole_part(reader, 0);
+    view.height = whole_part(reader, 8);
+    const auto left = first_of_crop(reader, 16, view.whole_width, view.width);
+    const auto top = first_of_crop(reader, 24, view.whole_height, view.height);
+    if (!left || !top) return std::nullopt;
+    view.left = *left;
+    view.top = *top;
+    return view;
+}
+
+std::string_view misread_grid(std::string_view bytes) {
+    const std::string_view meta = find_meta(bytes);
+    const auto item = primary_item(meta);
+    const std::vector<References> all = all_references(meta);
+    const auto grid =
+        std::ranges::find_if(all, [&](const References& each) { return each.type == "dimg" && each.from == item; });
+    if (grid == all.end()) return {};
+    if (!std::ranges::is_sorted(grid->to)) return "tiles that are not in the order of their items";
+    const auto is_alpha_of_tile = [&](const References& each) {
+        return each.type == "auxl" && std::ranges::find_first_of(each.to, grid->to) != each.to.end() &&
+               is_alpha(meta, each.from);
+    };
+    return std::ranges::any_of(all, is_alpha_of_tile) ? "tiles that have alpha of their own" : "";
+}
+
 std::vector<std::string_view> heif_item_types(std::string_view bytes) {
     constexpr std::size_t kType = 4;
     const auto list = find_box(find_meta(bytes), "iinf");
@@ -125,20 +235,9 @@ std::uint64_t heif_frames(std::string_view bytes) {
 }
 
 std::vector<Chunk> heif_properties(std::string_view bytes) {
-    const std::string_view inside = find_meta(bytes);
-    const auto item = primary_item(inside);
-    const auto properties = find_box(inside, "iprp");
-    const auto container = properties ? find_box(properties->data, "ipco") : std::nullopt;
-    if (!item || !container) return {};
-    const std::vector<Chunk> all = all_properties(container->data);
-    std::vector<Chunk> found;
-    for (auto box = media_box(properties->data, 0); box && found.empty(); box = media_box(properties->data, box->end)) {
-        if (box->name != "ipma") continue;
-        for (const std::uint32_t number : numbers_of(box->data, *item)) {
-            if (number >= 1 && number <= all.size()) found.push_back(all[number - 1]);
-        }
-    }
-    return found;
+    const std::string_view meta = find_meta(bytes);
+    const auto item = primary_item(meta);
+    return item ? properties_of(meta, *item) : std::vector<Chunk>();
 }
 
 }  // namespace ccdt::api

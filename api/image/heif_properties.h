@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -19,6 +21,22 @@ bool is_heic(std::string_view bytes);
 /// shows. Properties are boxes such as ispe (size), pixi (bits) and colr (colours). The result is empty if the file is
 /// broken or ends too early. O(bytes). Source: HEIF (ISO/IEC 23008-12), 6 and 9.3.
 std::vector<Chunk> heif_properties(std::string_view bytes);
+
+/// The part of a picture that is shown, in pixels.
+struct HeifView {
+    std::uint32_t whole_width = 0, whole_height = 0;  ///< of the coded picture
+    std::uint32_t left = 0, top = 0, width = 0, height = 0;
+};
+
+/// Returns the part of the primary item that its crop (clap) leaves. A crop between pixels is rounded down.
+/// @param properties  see heif_properties()
+/// @returns           none if the crop is not within the picture
+/// Source: ISO/IEC 14496-12, 12.1.4.
+std::optional<HeifView> heif_view(std::span<const Chunk> properties);
+
+/// Returns which grid of tiles the library for AVIF would misread, for an error message; empty if none. The library
+/// ignores the alpha of single tiles, and takes tiles in the order of their items.
+std::string_view misread_grid(std::string_view bytes);
 
 /// Returns the types of the items of a HEIF file, such as hvc1 (a picture in HEVC) and grid. Types are of four letters
 /// or digits; others are left out. Source: ISO/IEC 14496-12, 8.11.6.

@@ -251,6 +251,14 @@ bool has_bytes(const Chunk& bits) {
     return channels > 0;
 }
 
+/// Largest ratio of all pixels to those that a crop leaves. The limit of pixels is for the latter, but all are decoded.
+constexpr uint64_t kMaxCropped = 4;
+
+tl::unexpected<Error> shows_too_little(const std::string& format) {
+    return failure(ErrorCode::Unusable, "the image is " + std::string(format == "AVIF" ? "an " : "a ") + format +
+                                            " that shows less than a quarter of its pixels (clap)");
+}
+
 /// Reads the header of an AVIF, which is decoded as a whole. The decoder may keep two copies, before and after adding
 /// grain or joining tiles. The reader keeps one more copy.
 Result<ImageHeader> read_avif(std::string_view bytes) {
@@ -258,18 +266,17 @@ Result<ImageHeader> read_avif(std::string_view bytes) {
     constexpr uint64_t kSamples = 3 * 3 + 3 + 4;
     constexpr uint64_t kTables = 3;    // bytes per pixel
     constexpr uint64_t kBorder = 160;  // pixels by which a side may be rounded up, with a margin
-    ImageHeader header{ImageFormat::Avif, 0, 0, 0};
-    uint64_t sample = 2;
-    for (const Chunk& property : heif_properties(bytes)) {
-        const ByteReader reader(property.data, true);
-        if (property.name == "ispe") {
-            header.width = reader.read(4, 4).value_or(0);
-            header.height = reader.read(8, 4).value_or(0);
-        }
-        if (property.name == "pixi" && has_bytes(property)) sample = 1;
-    }
-    if (header.width > kMaxAvifSide || header.height > kMaxAvifSide) return broken_image();
-    header.decoder_bytes = (header.width + kBorder) * (header.height + kBorder) * (kSamples * sample + kTables);
+    const std::vector<Chunk> properties = heif_properties(bytes);
+    const auto view = heif_view(properties);
+    if (!view) return failure(ErrorCode::Unusable, "the image is an AVIF with a crop (clap) beyond its pixels");
+    if (view->whole_width > kMaxAvifSide || view->whole_height > kMaxAvifSide) return broken_image();
+    const uint64_t whole = uint64_t{view->whole_width} * view->whole_height;
+    ImageHeader header{ImageFormat::Avif, view->width, view->height, 0};
+    if (whole > kMaxCropped * header.pixels() + kMaxTilePixels) return shows_too_little("AVIF");
+    const auto is_small = [](const Chunk& property) { return property.name == "pixi" && has_bytes(property); };
+    const uint64_t sample = std::ranges::any_of(properties, is_small) ? 1 : 2;
+    header.decoder_bytes =
+        (view->whole_width + kBorder) * (view->whole_height + kBorder) * (kSamples * sample + kTables);
     return header;
 }
 
@@ -283,7 +290,6 @@ uint64_t whole_part(const ByteReader& reader, std::size_t at, uint64_t most) {
 /// Reads the header of a HEIF other than an AVIF. The size is that after the crop.
 Result<ImageHeader> read_heic(std::string_view bytes) {
     constexpr uint64_t kSamples = 16;           // per pixel; at most 14 were measured
-    constexpr uint64_t kMaxCropped = 4;         // the limit of pixels is for the crop, but the whole is decoded
     constexpr uint64_t kTileBytes = 32U << 20;  // for the decoder, which keeps several pictures of the size of a tile
     const std::vector<std::string_view> types = heif_item_types(bytes);
     if (std::ranges::find(types, "hvc1") == types.end() && !(types.empty() && heif_frames(bytes) == 0)) {
@@ -307,8 +313,7 @@ Result<ImageHeader> read_heic(std::string_view bytes) {
         if (property.name == "pixi" && has_bytes(property)) sample = 1;
     }
     if (header.width > kMaxHeicSide || header.height > kMaxHeicSide) return broken_image();
-    if (whole > kMaxCropped * header.pixels() + kMaxTilePixels)
-        return failure(ErrorCode::Unusable, "the image is a HEIC that shows less than a quarter of its pixels (clap)");
+    if (whole > kMaxCropped * header.pixels() + kMaxTilePixels) return shows_too_little("HEIC");
     header.decoder_bytes = whole * kSamples * sample + kTileBytes;
     return header;
 }

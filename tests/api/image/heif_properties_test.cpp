@@ -82,6 +82,52 @@ TEST(HeifProperties, StayWithinDamagedFiles) {
     }
 }
 
+/// Returns a file with a picture of 100 x 60 pixels and a crop.
+std::string cropped(int width, int height, int x, int y, int denominator = 1) {
+    std::string clap;
+    for (const int value : {width, height, x, y})
+        clap += number(static_cast<std::uint32_t>(value), 4) + number(static_cast<std::uint32_t>(denominator), 4);
+    const std::string properties = box("ispe", number(0, 4) + number(100, 4) + number(60, 4)) + box("clap", clap);
+    return file_of(number(0, 4) + number(1, 4) + number(2, 2) + "\2\1\2"s, properties);
+}
+
+TEST(HeifView, IsTheCropRoundedDown) {
+    const auto view_of = [](const std::string& file) { return heif_view(heif_properties(file)); };
+    const auto odd = view_of(cropped(42, 30, 59, -30, 2));
+    ASSERT_TRUE(odd);
+    EXPECT_EQ(odd->whole_width, 100U);
+    EXPECT_EQ(std::vector({odd->width, odd->height}), (std::vector<std::uint32_t>{21, 15}));
+    EXPECT_EQ(std::vector({odd->left, odd->top}), (std::vector<std::uint32_t>{69, 7}));
+    EXPECT_TRUE(view_of(cropped(100, 60, 0, 0)));
+    EXPECT_TRUE(view_of(cropped(50, 60, 25, 0)));
+    for (const auto& file : {cropped(50, 60, 26, 0), cropped(50, 60, -26, 0), cropped(101, 60, 0, 0),
+                             cropped(0, 60, 0, 0), cropped(50, 30, 0, -16), cropped(50, 60, 0, 0, 0)})
+        EXPECT_FALSE(view_of(file));
+}
+
+TEST(MisreadGrid, HasTilesInAnotherOrderOrWithAlpha) {
+    // Item 5 is alpha.
+    const std::string properties =
+        box("iprp", box("ipco", box("auxC", number(0, 4) + "urn:mpeg:mpegB:cicp:systems:auxiliary:alpha\0"s)) +
+                        box("ipma", number(0, 4) + number(1, 4) + number(5, 2) + "\1\1"s));
+    const auto file_with = [&](const std::string& references) {
+        return box("meta", number(0, 4) + box("pitm", number(0, 4) + number(1, 2)) + properties +
+                               box("iref", number(0, 4) + references));
+    };
+    const auto reference = [](const std::string& type, std::uint32_t from, const std::vector<std::uint32_t>& to) {
+        std::string data = number(from, 2) + number(to.size(), 2);
+        for (const std::uint32_t item : to) data += number(item, 2);
+        return box(type, data);
+    };
+    EXPECT_EQ(misread_grid(file_with(reference("dimg", 1, {2, 3}) + reference("auxl", 4, {1}))), "");
+    EXPECT_NE(misread_grid(file_with(reference("dimg", 1, {3, 2}))), "");
+    EXPECT_NE(misread_grid(file_with(reference("dimg", 1, {2, 3}) + reference("auxl", 5, {3}))), "");
+    EXPECT_EQ(misread_grid(file_with(reference("dimg", 1, {2, 3}) + reference("auxl", 6, {3}))), "") << "depth";
+    EXPECT_EQ(misread_grid(file_with(reference("dimg", 9, {3, 2}) + reference("auxl", 5, {3}))), "");
+    EXPECT_EQ(misread_grid(fixture("tiles.avif")), "");
+    EXPECT_EQ(misread_grid(fixture("rgba.avif")), "");
+}
+
 TEST(HeifItemTypes, AreThoseOfAllItems) {
     using Types = std::vector<std::string_view>;
     const std::string tiles = fixture("tiles.heic"), grey = fixture("grey.avif");
