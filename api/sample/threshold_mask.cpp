@@ -69,7 +69,7 @@ Result<Answer> run_mask(const ThresholdMask& mask, const Control& control, Timin
     Stopwatch watch;
     const int width = static_cast<int>(mask.torus.width), height = static_cast<int>(mask.torus.height);
     const int depth = static_cast<int>(mask.depth.value_or(1));
-    const auto ranks = threshold_mask(width, height, depth, mask.seed, control.stop);
+    const auto ranks = threshold_mask(width, height, depth, mask.seed, control.stop, *control.executor);
     timings.optimise = watch.lap();
     if (auto going = check_stop(control.stop); !going) return tl::unexpected(going.error());
 

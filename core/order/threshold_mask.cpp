@@ -206,7 +206,7 @@ void rank_pixels(PixelPattern pattern, std::size_t left, const std::stop_token& 
 }  // namespace
 
 std::vector<std::uint32_t> threshold_mask(int width, int height, int depth, std::uint64_t seed,
-                                          const std::stop_token& stop) {
+                                          const std::stop_token& stop, Executor& executor) {
     PixelPattern low(width, height, depth), high = low;
     const std::size_t frame = low.frame(), half = frame / 2;
     Random random(seed, 0);
@@ -219,9 +219,14 @@ std::vector<std::uint32_t> threshold_mask(int width, int height, int depth, std:
         if (!low.is_set(i)) high.choose(i);
     }
     std::vector<std::uint32_t> ranks(low.size());
-    rank_pixels(std::move(low), half, stop, [&](std::uint32_t pixel, std::uint32_t rank) { ranks[pixel] = rank; });
-    rank_pixels(std::move(high), frame - half, stop, [&](std::uint32_t pixel, std::uint32_t rank) {
-        ranks[pixel] = static_cast<std::uint32_t>(frame) - 1 - rank;
+    executor.run(2, [&](std::size_t upper) {
+        if (upper == 0)
+            rank_pixels(std::move(low), half, stop,
+                        [&](std::uint32_t pixel, std::uint32_t rank) { ranks[pixel] = rank; });
+        else
+            rank_pixels(std::move(high), frame - half, stop, [&](std::uint32_t pixel, std::uint32_t rank) {
+                ranks[pixel] = static_cast<std::uint32_t>(frame) - 1 - rank;
+            });
     });
     return ranks;
 }

@@ -5,6 +5,8 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/parallel/executor.h"
+
 namespace ccdt {
 
 /// Ranks the pixels of a tile, or of each frame of an animated tile. For any rank, the pixels of a frame with lower
@@ -26,11 +28,11 @@ namespace ccdt {
 /// @returns              [depth * height * width] frame by frame and row by row: in each frame, a permutation of 0 to
 ///                       width * height - 1
 ///
-/// Deterministic. O(n log n).
+/// Uses up to two threads for most of the time. Deterministic for any number of threads. O(n log n).
 /// Sources: Ulichney 1993, "The void-and-cluster method for dither array generation"; Wolfe, Morrical, Akenine-Moeller,
 /// Ramamoorthi 2022, "Spatiotemporal blue noise masks", for the crowding. Departures: the start has half of the pixels,
 /// not a tenth; growing Gaussians spread sets of few pixels as evenly as sets of many; all frames have the same ranks.
 std::vector<std::uint32_t> threshold_mask(int width, int height, int depth, std::uint64_t seed,
-                                          const std::stop_token& stop = {});
+                                          const std::stop_token& stop = {}, Executor& executor = inline_executor());
 
 }  // namespace ccdt

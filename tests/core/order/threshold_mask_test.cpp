@@ -9,6 +9,8 @@
 #include <numeric>
 #include <utility>
 
+#include "core/parallel/thread_executor.h"
+
 namespace ccdt {
 namespace {
 
@@ -87,7 +89,9 @@ TEST(ThresholdMask, IsEvenInSpaceAndTime) {
 }
 
 TEST(ThresholdMask, IsDeterministicForASeed) {
+    ThreadExecutor threads(2);
     EXPECT_EQ(threshold_mask(32, 24, 1, 1), threshold_mask(32, 24, 1, 1));
+    EXPECT_EQ(threshold_mask(32, 24, 3, 1), threshold_mask(32, 24, 3, 1, {}, threads));
     EXPECT_NE(threshold_mask(32, 24, 1, 1), threshold_mask(32, 24, 1, 2));
 }
 
