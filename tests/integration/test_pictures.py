@@ -129,7 +129,7 @@ class Formats(ServerCase):
 
     def test_avifs_and_heics_of_every_kind_are_decoded_in_confinement(self):
         query = "?sites=100&iterations=0&scale=1"
-        refused = {"bomb.avif": 413, "cropped.avif": 422, "bomb.heic": 413, "track.heic": 422}
+        refused = {"bomb.avif": 413, "bomb.heic": 413, "track.heic": 422}
         for path in sorted((*FIXTURES.glob("*.avif"), *FIXTURES.glob("*.heic"))):
             with self.subTest(name=path.name):
                 self.assertEqual(self.ask("/halftone" + query, data=path.read_bytes()).status,
