@@ -11,7 +11,8 @@ Prints the files whose cells differ by more than 2 L* on average, the files that
 
 Some differences are decisions:
 - HDR pictures (PQ, HLG) are mapped by the extended curve of Reinhard, and not by the curve of Chromium.
-- Pictures in CMYK are read by their profile or as inks on paper. Chromium converts without a model of inks.
+- A WebP with an orientation in EXIF is turned upright, which Chromium does not do.
+- A crop (clap) of an AVIF is always applied.
 - Of animations, ccdt reads the default image or the first frame; Chromium may already draw a later frame.
 - Icons are refused by name. Truncated pictures are refused, of which Chromium shows the part that is there.
 - A BMP whose alpha is zero everywhere is opaque, and not invisible.
@@ -113,7 +114,8 @@ def ours(url, file, seen):
 def main():
     url, *folders = sys.argv[1:]
     files = [file for folder in folders for file in sorted(pathlib.Path(folder).rglob("*")) if file.is_file()]
-    browser = subprocess.Popen(["node", "--input-type=module", "--eval", BROWSER, f"{MODULES}/", str(CELLS), str(CELL_SIDE)],
+    command = ["node", "--input-type=module", "--eval", BROWSER, f"{MODULES}/", str(CELLS), str(CELL_SIDE)]
+    browser = subprocess.Popen(command,
                                stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     shown = refused = different = 0
     print("| file | mean difference in L* | largest | or refusal |\n|---|---|---|---|")
@@ -132,7 +134,8 @@ def main():
         if np.abs(difference).mean() > LIMIT:
             different += 1
             largest = difference[np.abs(difference).argmax()]
-            print(f"| {file} | {np.abs(difference).mean():.1f} (signed {difference.mean():+.1f}) | {largest:+.1f} | |", flush=True)
+            mean = f"{np.abs(difference).mean():.1f} (signed {difference.mean():+.1f})"
+            print(f"| {file} | {mean} | {largest:+.1f} | |", flush=True)
     browser.stdin.close()
     browser.wait()
     print(f"\nOf {len(files)} files, Chromium shows {shown}. Of these, ccdt refuses {refused}, and {different} differ by "
