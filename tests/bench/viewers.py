@@ -115,8 +115,7 @@ def main():
     url, *folders = sys.argv[1:]
     files = [file for folder in folders for file in sorted(pathlib.Path(folder).rglob("*")) if file.is_file()]
     command = ["node", "--input-type=module", "--eval", BROWSER, f"{MODULES}/", str(CELLS), str(CELL_SIDE)]
-    browser = subprocess.Popen(command,
-                               stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    browser = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     shown = refused = different = 0
     print("| file | mean difference in L* | largest | or refusal |\n|---|---|---|---|")
     for file in files:
