@@ -37,7 +37,7 @@ protected:
 TEST_F(BodyPipeTest, TransfersPiecesInOrder) {
     std::jthread worker([this] {
         for (int i = 0; i < 1'000; ++i) EXPECT_TRUE(pipe_.push(std::to_string(i)));
-        pipe_.close({}, {1, 2, 3}, memory_);
+        pipe_.close({}, {.encode = 3}, memory_);
     });
     std::string expected;
     for (int i = 0; i < 1'000; ++i) expected += std::to_string(i);
