@@ -55,6 +55,15 @@ def wait_until_accepted(server, count):
     wait_until(lambda: accepted() == count, f"{count} accepted requests")
 
 
+@contextlib.contextmanager
+def service_manager():
+    """A socket that receives what a server tells systemd."""
+    with tempfile.TemporaryDirectory() as folder, socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as manager:
+        manager.bind(f"{folder}/notify")
+        manager.settimeout(PATIENCE)
+        yield manager
+
+
 class Load(unittest.TestCase):
     def test_full_queue_rejects_requests_while_health_answers(self):
         with Server("--workers=2", "--queue=1", "--timeout=300") as server:
@@ -291,8 +300,9 @@ class Signals(unittest.TestCase):
             self.assertEqual(server.stop(), 0)
 
     def test_unused_signals_end_no_process(self):
-        with Server() as server:
-            server.wait_for_log("pictures are decoded")
+        with service_manager() as manager, Server(environment={"NOTIFY_SOCKET": manager.getsockname()}) as server:
+            # A process that is still being started does not ignore signals yet.
+            self.assertIn("READY=1", manager.recv(1000).decode())
             family = [server.process.pid, *descendants(server.process.pid)]
             self.assertGreaterEqual(len(family), 4, "the server, the fork server, the keeper and the helper")
             for process in family:
@@ -380,16 +390,13 @@ class Starting(unittest.TestCase):
         self.assertRegex(self.run_program("--version").stdout, r"^ccdt-server \d+\.\d+\.\d+\n$")
 
     def test_the_service_manager_is_notified(self):
-        with tempfile.TemporaryDirectory() as folder, socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as manager:
-            name = f"{folder}/notify"
-            manager.bind(name)
-            manager.settimeout(PATIENCE)
-            with Server("--drain-timeout=20", environment={"NOTIFY_SOCKET": name}) as server:
-                self.assertEqual(manager.recv(1000).decode().splitlines(),
-                                 ["READY=1", f"STATUS=listening on http://127.0.0.1:{server.port}"])
-                self.assertEqual(ask(server, "/health/ready").status, 200)
-                self.assertEqual(server.stop(), 0)
-                self.assertEqual(manager.recv(1000).decode().splitlines(), ["STOPPING=1", "EXTEND_TIMEOUT_USEC=21000000"])
+        with (service_manager() as manager,
+              Server("--drain-timeout=20", environment={"NOTIFY_SOCKET": manager.getsockname()}) as server):
+            self.assertEqual(manager.recv(1000).decode().splitlines(),
+                             ["READY=1", f"STATUS=listening on http://127.0.0.1:{server.port}"])
+            self.assertEqual(ask(server, "/health/ready").status, 200)
+            self.assertEqual(server.stop(), 0)
+            self.assertEqual(manager.recv(1000).decode().splitlines(), ["STOPPING=1", "EXTEND_TIMEOUT_USEC=21000000"])
 
     def test_limit_of_open_files_is_reported_if_too_low(self):
         result = subprocess.run(["prlimit", "--nofile=64", os.environ["CCDT_SERVER"], "--port=0", "--workers=2"],
