@@ -17,6 +17,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "server/processes/signals.h"
+
 namespace ccdt::server {
 namespace {
 
@@ -43,11 +45,12 @@ private:
 class SpawnAttributes {
 public:
     SpawnAttributes() {
-        sigset_t none, all;
-        sigemptyset(&none);
+        // Blocked until the program ignores them, so that they do not end a program that is being started.
+        const auto blocked = signals_left_to_server();
+        sigset_t all;
         sigfillset(&all);
         posix_spawnattr_init(&attributes_);
-        posix_spawnattr_setsigmask(&attributes_, &none);
+        posix_spawnattr_setsigmask(&attributes_, &blocked);
         posix_spawnattr_setsigdefault(&attributes_, &all);
         posix_spawnattr_setpgroup(&attributes_, 0);
         posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);

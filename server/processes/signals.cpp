@@ -7,10 +7,21 @@ void ignore_signals(std::span<const int> numbers) {
     for (const int number : numbers) std::signal(number, SIG_IGN);
 }
 
+sigset_t signals_left_to_server() {
+    sigset_t signals;
+    sigemptyset(&signals);
+    for (const int number : kEndSignals) sigaddset(&signals, number);
+    for (const int number : kSignalsWithoutMeaning) sigaddset(&signals, number);
+    sigaddset(&signals, SIGHUP);
+    return signals;
+}
+
 void leave_signals_to_server() {
     ignore_signals(kEndSignals);
     ignore_signals(kSignalsWithoutMeaning);
     std::signal(SIGHUP, SIG_IGN);
+    const auto signals = signals_left_to_server();
+    sigprocmask(SIG_UNBLOCK, &signals, nullptr);
 }
 
 }  // namespace ccdt::server

@@ -17,8 +17,11 @@ inline constexpr std::array kSignalsWithoutMeaning{SIGUSR1, SIGUSR2, SIGALRM, SI
 
 void ignore_signals(std::span<const int> numbers);
 
-/// Makes a program that the server has started ignore kEndSignals, SIGHUP and other signals from a terminal or an
-/// operator. Only the server acts on these signals; its programs end with the server.
+/// Returns the signals from a terminal or an operator on which only the server acts: kEndSignals, SIGHUP and
+/// kSignalsWithoutMeaning. The server starts its programs with these signals blocked; the programs end with the server.
+sigset_t signals_left_to_server();
+
+/// Makes a program that the server has started ignore signals_left_to_server(), and unblocks them.
 void leave_signals_to_server();
 
 }  // namespace ccdt::server

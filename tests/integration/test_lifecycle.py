@@ -299,21 +299,28 @@ class Signals(unittest.TestCase):
             self.assertEqual(call.answer().status, 200)
             self.assertEqual(server.stop(), 0)
 
+    def check_unused_signals(self, server, family):
+        for process in family:
+            for number in self.meaningless + (() if process == server.process.pid else (signal.SIGHUP,)):
+                os.kill(process, number)
+        self.assertEqual(post_json(server, "/sample", {"sites": 6, "domain": RECTANGLE}).status, 200)
+        self.assertEqual(ask(server, "/halftone?sites=5&scale=1", data=file_of(flat(9))).status, 200)
+        for process in family:
+            os.kill(process, 0)
+        self.assertNotIn("started again", server.log())
+        self.assertEqual(server.stop(), 0)
+
     def test_unused_signals_end_no_process(self):
         with service_manager() as manager, Server(environment={"NOTIFY_SOCKET": manager.getsockname()}) as server:
-            # A process that is still being started does not ignore signals yet.
             self.assertIn("READY=1", manager.recv(1000).decode())
             family = [server.process.pid, *descendants(server.process.pid)]
             self.assertGreaterEqual(len(family), 4, "the server, the fork server, the keeper and the helper")
-            for process in family:
-                for number in self.meaningless + (() if process == server.process.pid else (signal.SIGHUP,)):
-                    os.kill(process, number)
-            self.assertEqual(post_json(server, "/sample", {"sites": 6, "domain": RECTANGLE}).status, 200)
-            self.assertEqual(ask(server, "/halftone?sites=5&scale=1", data=file_of(flat(9))).status, 200)
-            for process in family:
-                os.kill(process, 0)
-            self.assertNotIn("started again", server.log())
-            self.assertEqual(server.stop(), 0)
+            self.check_unused_signals(server, family)
+
+    def test_unused_signals_end_no_process_that_is_being_started(self):
+        with Server() as server:
+            family = wait_until(lambda: descendants(server.process.pid), "the first processes of the server")
+            self.check_unused_signals(server, family)
 
 
 class FileSizes(unittest.TestCase):
