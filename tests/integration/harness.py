@@ -5,6 +5,7 @@ The environment variable CCDT_SERVER contains the path of the program.
 """
 
 import base64
+import contextlib
 import inspect
 import io
 import json
@@ -125,11 +126,13 @@ def read_line(process, what):
 
 
 def descendants(process):
-    """Returns the ids of all descendants of a process."""
+    """Returns the ids of all descendants of a process. Processes and threads may end meanwhile."""
     found = []
-    for task in pathlib.Path(f"/proc/{process}/task").iterdir():
-        for child in (task / "children").read_text().split():
-            found += [int(child), *descendants(child)]
+    with contextlib.suppress(OSError):
+        for task in pathlib.Path(f"/proc/{process}/task").iterdir():
+            with contextlib.suppress(OSError):
+                for child in (task / "children").read_text().split():
+                    found += [int(child), *descendants(child)]
     return found
 
 
