@@ -5,10 +5,10 @@
 #include <cassert>
 #include <cmath>
 #include <functional>
-#include <numeric>
 #include <utility>
 
 #include "core/density/coverage.h"
+#include "core/density/zones.h"
 #include "core/geometry/apportion.h"
 #include "core/geometry/morton.h"
 #include "core/random.h"
@@ -81,27 +81,22 @@ struct Zone {
 /// them those in any region, get their share within about one site.
 /// @returns  [zones]
 std::vector<std::size_t> divide_among(std::span<const Zone> zones, std::size_t sites) {
-    constexpr double kSame = 1.2;  // largest ratio of successive densities of one class
-    constexpr std::size_t kMostClasses = 16;
-    std::vector<std::size_t> order(zones.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::ranges::stable_sort(order, {}, [&](std::size_t zone) { return zones[zone].density(); });
-    std::vector<std::vector<double>> quotas;         // [classes][zones]
-    std::vector<double> sums;                        // [classes]
+    std::vector<double> densities(zones.size());
+    std::ranges::transform(zones, densities.begin(), &Zone::density);
+    const auto classes = group_into_classes(densities);
+    std::vector<std::vector<double>> quotas(classes.size(), std::vector<double>(zones.size()));
+    std::vector<double> sums(classes.size());
     std::vector<Point3> places(zones.size()), line;  // of the zones; of the classes
-    double last = -1, total = 0;
-    for (const std::size_t number : order) {
-        const Zone& zone = zones[number];
-        if (zone.capacity > 0) places[number] = 1 / zone.capacity * zone.moment;
-        if (zone.density() > kSame * last && sums.size() < kMostClasses) {
-            line.push_back({static_cast<double>(sums.size()), 0, 0});
-            quotas.emplace_back(zones.size());
-            sums.push_back(0);
+    double total = 0;
+    for (std::size_t each = 0; each < classes.size(); ++each) {
+        line.push_back({static_cast<double>(each), 0, 0});
+        for (const std::uint32_t number : classes[each]) {
+            const Zone& zone = zones[number];
+            if (zone.capacity > 0) places[number] = 1 / zone.capacity * zone.moment;
+            quotas[each][number] = zone.capacity;
+            sums[each] += zone.capacity;
+            total += zone.capacity;
         }
-        last = zone.density();
-        quotas.back()[number] = zone.capacity;
-        sums.back() += zone.capacity;
-        total += zone.capacity;
     }
     std::vector<double> shares = sums;
     for (double& share : shares) share *= static_cast<double>(sites) / total;

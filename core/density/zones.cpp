@@ -285,4 +285,20 @@ std::vector<std::uint32_t> find_zones(const std::array<std::size_t, 3>& voxels, 
     return ZoneSearch(counts, value, periodic, sites / total).execute();
 }
 
+std::vector<std::vector<std::uint32_t>> group_into_classes(std::span<const double> densities) {
+    constexpr double kSame = 1.2;  // largest ratio of successive densities of one class
+    constexpr std::size_t kMaxClasses = 16;
+    std::vector<std::uint32_t> order(densities.size());
+    std::iota(order.begin(), order.end(), 0U);
+    std::ranges::stable_sort(order, {}, [&](std::uint32_t zone) { return densities[zone]; });
+    std::vector<std::vector<std::uint32_t>> classes;
+    double last = -1;
+    for (const std::uint32_t zone : order) {
+        if (densities[zone] > kSame * last && classes.size() < kMaxClasses) classes.emplace_back();
+        classes.back().push_back(zone);
+        last = densities[zone];
+    }
+    return classes;
+}
+
 }  // namespace ccdt

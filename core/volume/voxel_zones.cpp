@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <numeric>
 
 #include "core/density/zones.h"
 
@@ -21,13 +20,11 @@ VoxelZones::VoxelZones(const VoxelDensity& density, bool periodic, double sites)
         values.push_back(is_positive ? static_cast<float>(static_cast<double>(all) * density.mass(voxel)) : 0);
     }
     zones_ = find_zones(voxels, values, periodic, sites);
-    if (!zones_.empty()) sort_into_classes(values);
+    if (!zones_.empty()) find_classes(values);
 }
 
-/// Puts zones into one class whose mean densities follow each other closely.
-void VoxelZones::sort_into_classes(std::span<const float> values) {
-    constexpr double kSame = 1.2;  // largest ratio of successive densities of one class
-    constexpr std::size_t kMaxClasses = 16;
+/// Groups the zones by their mean densities.
+void VoxelZones::find_classes(std::span<const float> values) {
     const std::size_t count = std::size_t{std::ranges::max(zones_)} + 1;
     std::vector<double> densities(count), voxels(count);
     for (std::size_t i = 0; i < zones_.size(); ++i) {
@@ -35,15 +32,11 @@ void VoxelZones::sort_into_classes(std::span<const float> values) {
         ++voxels[zones_[i]];
     }
     std::ranges::transform(densities, voxels, densities.begin(), std::divides{});
-    std::vector<std::uint32_t> order(count);
-    std::iota(order.begin(), order.end(), 0U);
-    std::ranges::stable_sort(order, {}, [&](std::uint32_t zone) { return densities[zone]; });
-    classes_.assign(count, 0);
-    double last = densities[order.front()];
-    for (const std::uint32_t zone : order) {
-        if (densities[zone] > kSame * last && class_count_ < kMaxClasses) ++class_count_;
-        classes_[zone] = static_cast<std::uint8_t>(class_count_ - 1);
-        last = densities[zone];
+    const auto classes = group_into_classes(densities);
+    class_count_ = classes.size();
+    classes_.resize(count);
+    for (std::size_t number = 0; number < classes.size(); ++number) {
+        for (const std::uint32_t zone : classes[number]) classes_[zone] = static_cast<std::uint8_t>(number);
     }
 }
 

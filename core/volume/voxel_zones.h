@@ -28,7 +28,7 @@ public:
     std::size_t class_of(std::uint32_t zone) const { return classes_[zone]; }
 
 private:
-    void sort_into_classes(std::span<const float> values);
+    void find_classes(std::span<const float> values);
 
     const VoxelDensity& density_;
     std::vector<std::uint32_t> zones_;         ///< [voxels] empty if there is one zone

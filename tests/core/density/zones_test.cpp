@@ -118,5 +118,14 @@ TEST(Zones, JoinLayersOfATorus) {
     EXPECT_EQ(count_of(find_zones({4, 4, 8}, values, false, 20)), 3u);
 }
 
+TEST(Zones, FormClassesOfAboutTheSameDensity) {
+    using Classes = std::vector<std::vector<std::uint32_t>>;
+    EXPECT_EQ(group_into_classes(std::vector{2.0, 0.0, 1.1, 1.0, 1.3, 2.0}), (Classes{{1}, {3, 2, 4}, {0, 5}}));
+    std::vector<double> doubling{1};
+    while (doubling.size() < 40) doubling.push_back(2 * doubling.back());
+    EXPECT_EQ(group_into_classes(doubling).size(), 16u);
+    EXPECT_EQ(group_into_classes(doubling).back().size(), 25u);
+}
+
 }  // namespace
 }  // namespace ccdt
