@@ -234,7 +234,7 @@ Result<GltfAccessor> GltfDocument::accessor(Value value, std::optional<std::size
     accessor.type_ = static_cast<std::uint32_t>(index(member(object, "componentType"), kMost).value_or(0));
     const auto normalised = member(object, "normalized");
     accessor.is_normalised_ = normalised && normalised->is_boolean() && normalised->boolean();
-    const std::size_t element = accessor.components_ * size_of_type(accessor.type_);
+    const std::size_t element = accessor.components_ * accessor.component_size();
     if (element == 0 || accessor.components_ < components || (count && *count != accessor.count_))
         return wrong(name + " has an unsuitable type or number of elements");
     accessor.stride_ = element;
@@ -277,7 +277,7 @@ Result<void> GltfDocument::replace_elements(JsonValue sparse, GltfAccessor& acce
     GltfAccessor indices;
     indices.bytes_ = *places;
     indices.type_ = static_cast<std::uint32_t>(index(member(sparse, "indices", "componentType"), kMost).value_or(0));
-    indices.stride_ = size_of_type(indices.type_);
+    indices.stride_ = indices.component_size();
     const std::size_t element = accessor.stride_;
     if (indices.stride_ == 0 || places->size() / indices.stride_ < count || values->size() / element < count)
         return wrong("a sparse accessor exceeds its buffer view");

@@ -17,17 +17,6 @@
 
 namespace ccdt::api {
 
-// Types of components, constants of OpenGL.
-constexpr std::uint32_t kByte = 5120, kUnsignedByte = 5121, kShort = 5122, kUnsignedShort = 5123, kUnsignedInt = 5125,
-                        kFloat = 5126;
-
-/// Returns the size of a type in bytes; 0 for unknown types.
-constexpr std::size_t size_of_type(std::size_t type) {
-    if (type == kByte || type == kUnsignedByte) return 1;
-    if (type == kShort || type == kUnsignedShort) return 2;
-    return type == kUnsignedInt || type == kFloat ? 4 : 0;
-}
-
 /// Elements of an accessor of a glTF, as numbers.
 class GltfAccessor {
 public:
@@ -40,6 +29,19 @@ public:
 private:
     friend class GltfDocument;
 
+    /// Types of components, constants of OpenGL.
+    enum Type : std::uint32_t {
+        kByte = 5120,
+        kUnsignedByte = 5121,
+        kShort = 5122,
+        kUnsignedShort = 5123,
+        kUnsignedInt = 5125,
+        kFloat = 5126,
+    };
+
+    /// Returns the size of a component in bytes; 0 for unknown types.
+    std::size_t component_size() const;
+
     std::string own_;         ///< elements with replacements, or zeros; empty if they are in the buffer
     std::string_view bytes_;  ///< in the buffer
     std::size_t stride_ = 0;  ///< bytes
@@ -49,9 +51,15 @@ private:
     bool is_normalised_ = false;
 };
 
+inline std::size_t GltfAccessor::component_size() const {
+    if (type_ == kByte || type_ == kUnsignedByte) return 1;
+    if (type_ == kShort || type_ == kUnsignedShort) return 2;
+    return type_ == kUnsignedInt || type_ == kFloat ? 4 : 0;
+}
+
 inline double GltfAccessor::at(std::size_t element, std::size_t component) const {
     const char* const from =
-        (own_.empty() ? bytes_.data() : own_.data()) + element * stride_ + component * size_of_type(type_);
+        (own_.empty() ? bytes_.data() : own_.data()) + element * stride_ + component * component_size();
     const auto normalised = [this](double value, double largest) {
         return is_normalised_ ? std::max(value / largest, -1.0) : value;
     };
