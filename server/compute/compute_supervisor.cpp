@@ -34,8 +34,12 @@ constexpr std::chrono::seconds kPatience{2};
 /// The reason why a computation process did not reply.
 struct NoReply {
     bool overdue = false;           ///< the computation did not stop in time
+    bool unreported = false;        ///< the fork server ended before the process and could not report its end
     std::optional<ChildEnd> death;  ///< report of the end of the process; none: unknown
-    bool is_killed() const { return death && death->fork_error == 0 && is_killed_from_outside(death->status); }
+    /// Whether the process was killed from outside. If its end is unreported, this is likely, as for the fork server.
+    bool is_killed() const {
+        return unreported || (death && death->fork_error == 0 && is_killed_from_outside(death->status));
+    }
 
     /// Whether a repetition may succeed, because the request is not the cause.
     bool is_temporary() const { return is_killed() || (death && death->fork_error != 0); }
@@ -268,7 +272,8 @@ private:
         process_.yielded = send_texts(process_.channel.get(), {text_of(lower)});
     }
 
-    /// Receives an event: an order, which is passed to the decoder, or the report that the process has ended.
+    /// Receives an event: an order, which is passed to the decoder, the report that the process has ended, or the end
+    /// of the socket, which closes when both the process and the fork server that forked it have ended.
     void take_event() {
         Order order;
         Order::Files files;
@@ -276,6 +281,7 @@ private:
         if (size == sizeof(ChildEnd)) {
             std::memcpy(static_cast<void*>(&death_.emplace()), &order.text, sizeof(ChildEnd));
         }
+        unreported_ = size == 0 && !death_;
         if (size != sizeof(order.text)) return;
         order.take(std::move(files));
         supervisor_.relay_(order, control_.stop);
@@ -285,15 +291,12 @@ private:
     void wait_for_death() {
         const auto until = Clock::now() + kPatience;
         pollfd events{process_.events.get(), POLLIN, 0};
-        while (!death_ && poll(&events, 1, milliseconds_until(until)) > 0) {
-            if ((events.revents & POLLIN) == 0) break;
-            take_event();
-        }
+        while (!death_ && !unreported_ && poll(&events, 1, milliseconds_until(until)) > 0) take_event();
     }
 
     tl::unexpected<NoReply> lost() {
         wait_for_death();
-        return tl::unexpected(NoReply{.overdue = false, .death = death_});
+        return tl::unexpected(NoReply{.unreported = unreported_, .death = death_});
     }
 
     ComputeSupervisor& supervisor_;
@@ -307,6 +310,7 @@ private:
     bool abandoned_ = false;
     std::optional<Clock::time_point> end_at_;
     std::optional<Clock::time_point> yield_at_;  ///< none: the priority stays as it is
+    bool unreported_ = false;                    ///< see NoReply
     std::optional<ChildEnd> death_;
 };
 

@@ -258,6 +258,21 @@ class Kills(unittest.TestCase):
             self.assertEqual(server.stop(), 0)
             self.assertIn("the worker was killed by signal 9 (Killed), and is started again", server.log())
 
+    def test_of_the_fork_server_and_its_process_lose_no_request_and_no_worker(self):
+        with Server("--workers=1") as server:
+            running = Call(server.url("/sample"), *JSON, data=sample(100_000, iterations=1000))
+            wait_until(lambda: children(fork_server(server)))
+            maker = fork_server(server)
+            orphans = children(maker)
+            os.kill(maker, signal.SIGKILL)
+            wait_until(lambda: figure(server, "ccdt_worker_restarts_total") == 1)
+            for process in orphans:
+                os.kill(process, signal.SIGKILL)
+            wait_until(lambda: children(fork_server(server)))
+            running.abandon()
+            wait_until(lambda: figure(server, "ccdt_workers_busy") == 0)
+            self.assertEqual(server.stop(), 0)
+
     def test_of_the_server_leave_no_processes(self):
         with Server("--workers=1") as server:
             running = Call(server.url("/sample"), *JSON, data=sample(100_000, iterations=1000))
