@@ -3,11 +3,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "core/volume/point_text.h"
 
 namespace ccdt {
+
+namespace {
+
+/// Largest density, relative to the largest one, that counts as 0, because sums of densities cannot resolve it.
+constexpr double kNegligible = std::numeric_limits<double>::epsilon();
+
+}  // namespace
 
 Result<bool> VoxelDensity::check(const std::array<std::size_t, 3>& voxels,
                                  const std::function<double(std::size_t index)>& value) {
@@ -59,8 +67,9 @@ Result<VoxelDensity> VoxelDensity::create(const std::array<std::size_t, 3>& voxe
         }
         for (std::size_t i = 0; i < layer; ++i) sums[(k + 1) * layer + i] += sums[k * layer + i];
     }
-    if (std::ranges::min(values) == 0) {
-        for (const double value : values) density.positive_.push_back(value > 0);
+    const auto is_positive = [largest](double value) { return value / largest > kNegligible; };
+    if (!is_positive(std::ranges::min(values))) {
+        for (const double value : values) density.positive_.push_back(is_positive(value));
     }
     const double total = sums.back();
     for (double& sum : sums) sum /= total;

@@ -22,6 +22,7 @@ public:
     /// Makes a density. It is uniform() if all values are equal.
     /// @param voxels  number of voxels along x, y and z, each >= 1
     /// @param values  [voxels along z][along y][along x] densities, >= 0 and finite
+    ///                Values below 2^-52 of the largest count as 0.
     ///
     /// Errors: Malformed if the number of values is wrong ("density"), or a value is negative or not finite
     /// ("density/N"); Unusable if all are 0 ("density"). O(voxels). Takes 8 bytes per corner of the voxels.

@@ -379,6 +379,15 @@ TEST(DistributeInVolume, SpreadsPointsInASingleVoxel) {
     }
 }
 
+TEST(DistributeInVolume, KeepsFewSitesOutOfAlmostEmptyVoxels) {
+    std::vector<double> values(8, 1e-308);
+    values[0] = 1e308;
+    const auto density = VoxelDensity::create({8, 1, 1}, values);
+    for (std::size_t sites = 1; sites <= 3; ++sites) {
+        for (const Point3 p : distributed(kBox, {.sites = sites}, *density).points) EXPECT_LT(p.x, 0.125);
+    }
+}
+
 TEST(DistributeInVolume, KeepsSitesAwayFromFixedPoints) {
     VolumeOptions options{.sites = 900, .keep_mesh = true};
     for (int i = 0; i < 100; ++i) options.fixed.push_back({0.5, (i / 10 + 0.5) / 10, (i % 10 + 0.5) / 10});

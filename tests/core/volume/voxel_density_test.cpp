@@ -34,6 +34,8 @@ TEST(VoxelDensity, FindsItsGaps) {
     EXPECT_TRUE(density.is_positive({0.4, 0.4, 0.4}));
     EXPECT_TRUE(density.is_positive({0.3, 0.4, 0.6}));
     EXPECT_FALSE(VoxelDensity::uniform().has_gaps());
+    EXPECT_FALSE(VoxelDensity::create({2, 1, 1}, std::array{1.0, 1e-15})->has_gaps());
+    EXPECT_FALSE(VoxelDensity::create({2, 1, 1}, std::array{1.0, 1e-16})->is_positive({0.9, 0.5, 0.5}));
 }
 
 TEST(VoxelDensity, MeasuresTheMassOfBoxes) {
