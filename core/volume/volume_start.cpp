@@ -44,17 +44,18 @@ public:
             if (!domain_.contains(place) || !density_.is_positive(p)) continue;
             if (zones_.count() == 1) return place;
             const std::uint32_t zone = zones_.at(p);
+            const double weight = weight_at(p);
             const auto known = std::ranges::find(found_, zone, &Found::zone);
             if (known == found_.end())
-                found_.push_back({zone, 1, place});
+                found_.push_back({zone, weight, place});
             else
-                ++known->hits;
-            ++all;
+                known->weight += weight;
+            all += weight;
         }
         if (found_.empty()) return place;
         for (const Found& each : found_) {
-            in_zone_[each.zone] += each.hits / all;
-            in_class_[zones_.class_of(each.zone)] += each.hits / all;
+            in_zone_[each.zone] += each.weight / all;
+            in_class_[zones_.class_of(each.zone)] += each.weight / all;
         }
         const auto missing = [this](const Found& each) {
             return std::pair(in_class_[zones_.class_of(each.zone)], in_zone_[each.zone]);
@@ -66,10 +67,18 @@ public:
     }
 
 private:
+    /// Returns the density at a place, relative to that with which the place was drawn. They differ in a solid, because
+    /// a cell of `inside_` may contain parts of several voxels.
+    double weight_at(Point3 p) const {
+        constexpr double kLeast = 1e-9;  // makes sums of weights positive
+        const double drawn = inside_.at(p);
+        return drawn > 0 ? std::max(density_.at(p) / drawn, kLeast) : 1;
+    }
+
     /// The places found in a zone.
     struct Found {
         std::uint32_t zone;
-        double hits;
+        double weight;
         Point3 first;
     };
 

@@ -112,6 +112,20 @@ TEST(DistributeInSolid, FollowsTheDensity) {
     for (const Point3 p : points) EXPECT_LE(p.x, 0.5);
 }
 
+TEST(DistributeInSolid, PutsTheirShareOfPointsOnBothSidesOfSteps) {
+    // The planes between these voxels run through cells of the grid by which the solid is measured.
+    const Solid cube = solid_of(test::cube_surface());
+    for (const double low : {1e-6, 0.1}) {
+        const VoxelDensity density = *VoxelDensity::create({4, 1, 1}, std::array{1.0, low, 1.0, low});
+        for (const int sites : {200, 2000}) {
+            const auto points = distributed(cube, {.sites = static_cast<std::size_t>(sites)}, density).points;
+            const auto fewer =
+                std::ranges::count_if(points, [](Point3 p) { return static_cast<int>(4 * p.x) % 2 == 1; });
+            EXPECT_NEAR(static_cast<double>(fewer), sites * low / (1 + low), 2 + 0.002 * sites);
+        }
+    }
+}
+
 TEST(DistributeInSolid, KeepsSitesAwayFromFixedPoints) {
     VolumeOptions options{.sites = 900};
     for (int i = 0; i < 100; ++i) options.fixed.push_back({0.5, (i / 10 + 0.5) / 10, (i % 10 + 0.5) / 10});
