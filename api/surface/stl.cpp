@@ -138,7 +138,7 @@ bool is_binary_stl(std::string_view bytes) {
     if (bytes.size() < kHead) return false;
     const std::size_t facets = (bytes.size() - kHead) / kFacet;
     if (facets > 0 && facets_of(bytes) == facets) return true;
-    return is_text_stl(bytes) && bytes.substr(0, kHead).find('\0') != std::string_view::npos;
+    return bytes.substr(0, kHead).find('\0') != std::string_view::npos && is_text_stl(bytes);
 }
 
 template <class Sink>

@@ -10,18 +10,23 @@
 #include "api/surface/surface_builder.h"
 #include "api/surface/words.h"
 #include "api/text/byte_order_mark.h"
-#include "api/text/text.h"
 #include "core/surface/triangle_soup.h"
 
 namespace ccdt::api {
 namespace {
 
-/// Whether a text is JSON with the name of a member that each glTF has, and that of one that other documents lack.
-bool is_gltf(std::string_view text) {
-    const auto has = [text](std::string_view name) { return text.find(name) != std::string_view::npos; };
-    constexpr std::string_view kBlanks = " \t\r\n";
-    return trim(text.substr(0, text.find('{') + 1), kBlanks) == "{" && has("\"asset\"") &&
-           (has("\"bufferViews\"") || has("\"meshes\""));
+/// Whether JSON has the name of a member that each glTF has, and that of one that other documents lack.
+bool is_gltf(std::string_view json) {
+    const auto has = [json](std::string_view name) { return json.find(name) != std::string_view::npos; };
+    return json.starts_with('{') && has("\"asset\"") && (has("\"bufferViews\"") || has("\"meshes\""));
+}
+
+/// Returns the format of a text that is not JSON.
+std::optional<SurfaceFormat> recognise_text(std::string_view text) {
+    if (Words(text).next() == "ply") return SurfaceFormat::Ply;
+    if (is_off(text)) return SurfaceFormat::Off;
+    if (is_text_stl(text)) return SurfaceFormat::StlText;
+    return is_obj(text) ? std::optional(SurfaceFormat::Obj) : std::nullopt;
 }
 
 /// Returns the memory for reading a mesh.
@@ -52,12 +57,13 @@ tl::unexpected<Error> too_many_faces(std::uint64_t max_faces) {
 std::optional<SurfaceFormat> recognise_surface(std::string_view bytes, std::string_view media_type) {
     bytes = without_byte_order_mark(bytes);
     if (bytes.starts_with("glTF")) return SurfaceFormat::Glb;
-    if (Words(bytes).next() == "ply") return SurfaceFormat::Ply;
     if (is_binary_stl(bytes)) return SurfaceFormat::StlBinary;
-    if (is_off(bytes)) return SurfaceFormat::Off;
-    if (is_text_stl(bytes)) return SurfaceFormat::StlText;
-    if (is_gltf(bytes)) return SurfaceFormat::Gltf;
-    if (is_obj(bytes)) return SurfaceFormat::Obj;
+    const std::string_view text = bytes.substr(std::min(bytes.find_first_not_of(" \t\r\n"), bytes.size()));
+    if (text.starts_with('{') || text.starts_with('[')) {  // the first word of JSON may be the whole text
+        if (is_gltf(text)) return SurfaceFormat::Gltf;
+    } else if (const auto format = recognise_text(text)) {
+        return format;
+    }
     constexpr auto kBinaryStl = std::to_array<std::string_view>(
         {"model/stl", "model/x.stl-binary", "application/sla", "application/vnd.ms-pki.stl"});
     if (std::ranges::find(kBinaryStl, media_type) != kBinaryStl.end()) return SurfaceFormat::StlBinary;

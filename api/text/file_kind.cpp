@@ -136,6 +136,8 @@ std::string_view kind_of_xml(std::string_view text) {
 
 /// Whether a text has the same separator at least once in each of its first two lines.
 bool is_table(std::string_view text) {
+    constexpr std::size_t kSearched = 65536;  // a map may be a single line
+    text = text.substr(0, kSearched);
     const std::string_view first = take_until(text, "\n"), second = take_until(text, "\n");
     return std::ranges::any_of(",;\t"sv, [&](char separator) {
         const auto count = std::ranges::count(first, separator);
