@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -22,10 +23,15 @@ bool is_heic(std::string_view bytes);
 /// broken or ends too early. O(bytes). Source: HEIF (ISO/IEC 23008-12), 6 and 9.3.
 std::vector<Chunk> heif_properties(std::string_view bytes);
 
+/// Returns the whole part of a fraction, which is stored as a numerator and a denominator; none if it is not a number.
+std::optional<std::uint32_t> whole_part(const ByteReader& reader, std::size_t at);
+
 /// The part of a picture that is shown, in pixels.
 struct HeifView {
     std::uint32_t whole_width = 0, whole_height = 0;  ///< of the coded picture
     std::uint32_t left = 0, top = 0, width = 0, height = 0;
+
+    std::uint64_t whole_pixels() const { return std::uint64_t{whole_width} * whole_height; }
 };
 
 /// Returns the part of the primary item that its crop (clap) leaves. A crop between pixels is rounded down.

@@ -270,21 +270,13 @@ Result<ImageHeader> read_avif(std::string_view bytes) {
     const auto view = heif_view(properties);
     if (!view) return failure(ErrorCode::Unusable, "the image is an AVIF with a crop (clap) beyond its pixels");
     if (view->whole_width > kMaxAvifSide || view->whole_height > kMaxAvifSide) return broken_image();
-    const uint64_t whole = uint64_t{view->whole_width} * view->whole_height;
     ImageHeader header{ImageFormat::Avif, view->width, view->height, 0};
-    if (whole > kMaxCropped * header.pixels() + kMaxTilePixels) return shows_too_little("AVIF");
+    if (view->whole_pixels() > kMaxCropped * header.pixels() + kMaxTilePixels) return shows_too_little("AVIF");
     const auto is_small = [](const Chunk& property) { return property.name == "pixi" && has_bytes(property); };
     const uint64_t sample = std::ranges::any_of(properties, is_small) ? 1 : 2;
     header.decoder_bytes =
         (view->whole_width + kBorder) * (view->whole_height + kBorder) * (kSamples * sample + kTables);
     return header;
-}
-
-/// Returns an integer, rounded down, from a property of two numbers: a numerator and a denominator.
-/// @param most  returned if the number is larger or not a number
-uint64_t whole_part(const ByteReader& reader, std::size_t at, uint64_t most) {
-    const auto numerator = reader.read(at, 4).value_or(0), denominator = reader.read(at + 4, 4).value_or(0);
-    return denominator == 0 ? most : std::min<uint64_t>(numerator / denominator, most);
 }
 
 /// Reads the header of a HEIF other than an AVIF. The size is that after the crop.
@@ -307,8 +299,9 @@ Result<ImageHeader> read_heic(std::string_view bytes) {
             whole = header.pixels();
         }
         if (property.name == "clap") {
-            header.width = whole_part(reader, 0, header.width);
-            header.height = whole_part(reader, 8, header.height);
+            // The library shows all of a side that is shorter than the crop.
+            header.width = std::min<uint64_t>(whole_part(reader, 0).value_or(header.width), header.width);
+            header.height = std::min<uint64_t>(whole_part(reader, 8).value_or(header.height), header.height);
         }
         if (property.name == "pixi" && has_bytes(property)) sample = 1;
     }
