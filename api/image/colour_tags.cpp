@@ -111,6 +111,17 @@ std::string_view read_webp(std::string_view bytes) {
     return {};
 }
 
+/// Returns the profile in a BMP with a header of version 5. The header states the place relative to its own beginning.
+std::string_view read_bmp(std::string_view bytes) {
+    constexpr std::size_t kHeader = 14, kColourSpace = 56, kPlace = 112, kSize = 116;
+    constexpr std::uint32_t kVersion5 = 124, kEmbedded = 0x4D424544;  // "MBED"
+    const std::string_view header = bytes.substr(std::min(kHeader, bytes.size()));
+    const ByteReader reader(header, false);
+    if (reader.read(0, 4) != kVersion5 || reader.read(kColourSpace, 4) != kEmbedded) return {};
+    const std::size_t begin = reader.read(kPlace, 4).value_or(0), size = reader.read(kSize, 4).value_or(0);
+    return begin <= header.size() && size <= header.size() - begin ? header.substr(begin, size) : std::string_view();
+}
+
 bool is_heif_profile(const Chunk& property) {
     return property.name == "colr" && (property.data.starts_with("prof") || property.data.starts_with("rICC"));
 }
@@ -172,8 +183,10 @@ ColourTags read_colour_tags(std::string_view bytes, ImageFormat format) {
         case ImageFormat::Heic:
             tags = read_heif(bytes);
             break;
-        case ImageFormat::Gif:
         case ImageFormat::Bmp:
+            tags.profile = read_bmp(bytes);
+            break;
+        case ImageFormat::Gif:
             break;
     }
     if (tags.profile.size() > kLongestProfile) tags.profile.clear();
@@ -198,8 +211,9 @@ bool may_have_profile(std::string_view bytes, ImageFormat format) {
         case ImageFormat::Avif:
         case ImageFormat::Heic:
             return std::ranges::any_of(heif_properties(bytes), is_heif_profile);
-        case ImageFormat::Gif:
         case ImageFormat::Bmp:
+            return !read_bmp(bytes).empty();
+        case ImageFormat::Gif:
             break;
     }
     return false;

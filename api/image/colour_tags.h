@@ -32,8 +32,8 @@ struct ColourTags {
 inline constexpr std::size_t kLongestProfile = std::size_t{4} << 20;
 
 /// Reads colour tags: the chunks cICP, iCCP, cHRM and gAMA of PNG, the segments APP2 of JPEG, the chunk ICCP of WebP,
-/// the tag 34675 of TIFF, and the property colr of AVIF and HEIC. Broken or incomplete tags are ignored. Sources: PNG
-/// (ISO/IEC 15948, third edition), 11.3.2; ICC.1:2022, annex B; ISO/IEC 14496-12, 12.1.5.
+/// the tag 34675 of TIFF, the property colr of AVIF and HEIC, and the BITMAPV5HEADER of BMP. Broken or incomplete tags
+/// are ignored. Sources: PNG (ISO/IEC 15948, third edition), 11.3.2; ICC.1:2022, annex B; ISO/IEC 14496-12, 12.1.5.
 ColourTags read_colour_tags(std::string_view bytes, ImageFormat format);
 
 /// Returns whether a file may have a profile. Does not read the profile.

@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "api/image/colour_tags.h"
 #include "tests/api/files.h"
 
 namespace ccdt::api {
@@ -506,6 +507,44 @@ TEST(ImageCodec, ReadsBitFieldsOfBmps) {
     for (std::size_t x = 0; x < 6; ++x) EXPECT_NEAR(alpha->alpha[x], static_cast<float>(x) / 5, 1e-6);
     EXPECT_NEAR(luminance_at(*alpha, 3, 0), 0.2126, 1e-4);
     EXPECT_TRUE(decode_image(fixture("no-alpha.bmp"), kMaxPixels)->alpha.empty());
+}
+
+/// Returns a BMP of one row of uncompressed pixels of 32 bits, with a header of version 5.
+std::string bmp_of_version_5(const std::vector<std::uint32_t>& pixels, std::uint32_t alpha, std::string_view profile) {
+    constexpr std::uint32_t kFileHeader = 14, kHeader = 124, kEmbedded = 0x4D424544;
+    const auto width = static_cast<std::uint32_t>(pixels.size()), begin = kFileHeader + kHeader;
+    std::string file = "BM" + std::string(begin - 2, '\0');
+    const auto write = [&](std::size_t at, std::uint32_t value) {
+        for (std::size_t i = 0; i < 4; ++i) file[at + i] = static_cast<char>(value >> 8 * i & 255);
+    };
+    for (const auto& [at, value] : std::vector<std::pair<std::size_t, std::uint32_t>>{
+             {10, begin}, {14, kHeader}, {18, width}, {22, 1}, {26, 1 | 32U << 16}, {66, alpha}})
+        write(at, value);
+    if (!profile.empty()) {
+        for (const auto& [at, value] : std::vector<std::pair<std::size_t, std::uint32_t>>{
+                 {70, kEmbedded}, {126, kHeader + 4 * width}, {130, static_cast<std::uint32_t>(profile.size())}})
+            write(at, value);
+    }
+    file.resize(begin + 4 * pixels.size());
+    for (std::size_t i = 0; i < pixels.size(); ++i) write(begin + 4 * i, pixels[i]);
+    return file.append(profile);
+}
+
+TEST(ImageCodec, AppliesProfilesOfBmps) {
+    const std::string png = fixture("p3.png");
+    const std::string profile = read_colour_tags(png, ImageFormat::Png).profile;
+    const std::string file = bmp_of_version_5({0xFFFFFF, 0xC86432, 0x28A05A, 0xFF0000}, 0, profile);
+    const auto expected = decode_colour_image(png, kMaxPixels), picture = decode_colour_image(file, kMaxPixels);
+    ASSERT_TRUE(expected && picture);
+    for (std::size_t i = 0; i < 4; ++i) {
+        EXPECT_NEAR(picture->red[i], expected->red[i], 1e-4) << i;
+        EXPECT_NEAR(picture->green[i], expected->green[i], 1e-4) << i;
+        EXPECT_NEAR(picture->blue[i], expected->blue[i], 1e-4) << i;
+    }
+    const auto cut = decode_colour_image(std::string_view(file).substr(0, file.size() - 1), kMaxPixels);
+    ASSERT_TRUE(cut);
+    EXPECT_EQ(cut->red[3], 1) << "a profile beyond the end of the file is ignored";
+    EXPECT_EQ(cut->green[3], 0);
 }
 
 TEST(ImageCodec, ReadsPhotographs) {
