@@ -118,18 +118,18 @@ struct Field {
     }
 };
 
-/// Reads the fields of red, green, blue and alpha.
+/// Reads the fields of red, green, blue and alpha. Without compression, only the field of alpha is in the header.
 std::array<Field, 4> read_fields(std::string_view bytes, const Layout& layout) {
-    if (layout.compression == kNone) {
-        if (layout.bits == 16) return {Field(0x7C00), Field(0x03E0), Field(0x001F), Field()};
-        return {Field(0xFF0000), Field(0x00FF00), Field(0x0000FF), Field()};
-    }
     const ByteReader reader(bytes, false);
-    const bool has_alpha = layout.header >= Layout::kWithAlphaMask || layout.compression == kAlphaFields;
-    std::array<Field, 4> fields;
-    for (std::size_t i = 0; i < (has_alpha ? 4U : 3U); ++i)
-        fields[i] = Field(reader.read(Layout::kFileHeader + Layout::kInfo + 4 * i, 4).value_or(0));
-    return fields;
+    const auto field = [&](std::size_t i) {
+        return Field(reader.read(Layout::kFileHeader + Layout::kInfo + 4 * i, 4).value_or(0));
+    };
+    const bool has_alpha = (layout.bits == 16 || layout.bits == 32) &&
+                           (layout.header >= Layout::kWithAlphaMask || layout.compression == kAlphaFields);
+    const Field alpha = has_alpha ? field(3) : Field();
+    if (layout.compression != kNone) return {field(0), field(1), field(2), alpha};
+    if (layout.bits == 16) return {Field(0x7C00), Field(0x03E0), Field(0x001F), alpha};
+    return {Field(0xFF0000), Field(0x00FF00), Field(0x0000FF), alpha};
 }
 
 /// Decoder of run-length encoded pixels, which are palette indices, row by row from the bottom.

@@ -547,6 +547,14 @@ TEST(ImageCodec, AppliesProfilesOfBmps) {
     EXPECT_EQ(cut->green[3], 0);
 }
 
+TEST(ImageCodec, ReadsAlphaOfUncompressedBmps) {
+    const auto picture = decode_image(bmp_of_version_5({0xFFFF0000, 0x33FF0000}, 0xFF000000, ""), kMaxPixels);
+    ASSERT_TRUE(picture);
+    EXPECT_EQ(picture->alpha, (Plane{1, 0.2F}));
+    for (const std::uint32_t mask : {0U, 0xFF000000U})
+        EXPECT_TRUE(decode_image(bmp_of_version_5({0x00FF0000}, mask, ""), kMaxPixels)->alpha.empty()) << mask;
+}
+
 TEST(ImageCodec, ReadsPhotographs) {
     const auto picture = decode_image(photograph("chelsea.png"), kMaxPixels);
     ASSERT_TRUE(picture);
