@@ -55,12 +55,17 @@ Result<RowSource> open(std::string_view bytes, const ImageHeader& header, bool k
     return open_by_library(bytes, header);
 }
 
+std::string repair(std::string_view bytes, ImageFormat format) {
+    if (format == ImageFormat::Jpeg) return repair_jpeg(bytes);
+    return format == ImageFormat::Png ? repair_png(bytes) : std::string();
+}
+
 template <class AnyPicture>
 Result<AnyPicture> read_file(std::string_view bytes, const ImageHeader& header, const Reading& reading,
                              const NewPlane& make_plane) {
     const ColourTags tags = read_colour_tags(bytes, header.format);
     auto conversion = convert_colours(tags);
-    const std::string repaired = header.format == ImageFormat::Jpeg ? repair_jpeg(bytes) : std::string();
+    const std::string repaired = repair(bytes, header.format);
     if (!repaired.empty()) bytes = repaired;
     const std::string copy = hide_profile(bytes, header.format);
     if (!copy.empty()) bytes = copy;

@@ -456,6 +456,14 @@ TEST(ImageCodec, IgnoresTextsAndOffsetsInPngs) {
     }
 }
 
+TEST(ImageCodec, KeepsTheTransparentColourBeforeASuggestedPalette) {
+    using namespace std::string_literals;
+    const std::string palette = with_chunk(fixture("srgb.png"), "PLTE", "\0\0\0\x80\x80\x80"s);
+    const auto picture = decode_image(with_chunk(palette, "tRNS", "\0\xff\0\0\0\0"s), kMaxPixels);
+    ASSERT_TRUE(picture);
+    EXPECT_EQ(picture->alpha, (Plane{1, 1, 1, 0}));
+}
+
 TEST(ImageCodec, TakesVideoCurvesAsSrgb) {
     const std::string file = fixture("noise.png");
     const auto expected = decode_colour_image(file, kMaxPixels);
