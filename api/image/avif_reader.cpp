@@ -9,14 +9,38 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "api/image/broken_image.h"
+#include "api/image/containers.h"
 #include "api/image/heif_properties.h"
 
 namespace ccdt::api {
 namespace {
 
 using Decoder = std::unique_ptr<avifDecoder, decltype(&avifDecoderDestroy)>;
+
+/// Returns a copy of a file that version 0.11 of the library reads: the last box states its size, and tracks are
+/// hidden, because those without width and height, such as sound, are refused. Returns an empty string if the file has
+/// neither.
+std::string repair(std::string_view bytes) {
+    std::string copy;
+    const auto write = [&](std::size_t at, std::string_view text) {
+        if (copy.empty()) copy = bytes;
+        copy.replace(at, text.size(), text);
+    };
+    for (auto box = media_box(bytes, 0); box; box = media_box(bytes, box->end)) {
+        const auto size = static_cast<std::uint32_t>(box->end - box->begin);
+        const auto byte = [&](int shift) { return static_cast<char>(size >> shift); };
+        if (ByteReader(bytes, true).read(box->begin, 4) == 0U)
+            write(box->begin, std::string{byte(24), byte(16), byte(8), byte(0)});
+        if (box->name != "moov") continue;
+        for (auto track = media_box(box->data, 0); track; track = media_box(box->data, track->end)) {
+            if (track->name == "trak") write(static_cast<std::size_t>(track->name.data() - bytes.data()), "free");
+        }
+    }
+    return copy;
+}
 
 /// Creates a decoder of the primary item. Other items, such as gain maps, and the frames of an animation may be larger.
 Decoder make_decoder(std::string_view bytes) {
@@ -99,7 +123,8 @@ tl::unexpected<Error> not_read(const std::string& kind) {
 
 Result<RowSource> open_avif(std::string_view bytes, const ImageHeader& header) {
     constexpr int kRows = 16;
-    const Decoder decoder = make_decoder(bytes);
+    const std::string repaired = repair(bytes);
+    const Decoder decoder = make_decoder(repaired.empty() ? bytes : repaired);
     if (avifDecoderParse(decoder.get()) != AVIF_RESULT_OK) return broken_image();
     const avifImage& image = *decoder->image;
     const auto view = heif_view(heif_properties(bytes));
@@ -108,9 +133,8 @@ Result<RowSource> open_avif(std::string_view bytes, const ImageHeader& header) {
     if (!has_whole_size()) return broken_image();
     if (const std::string_view grid = misread_grid(bytes); !grid.empty()) return not_read(std::string(grid));
     // The codec is opened below, with this limit.
-    const std::uint64_t pixels_of_whole = std::uint64_t{view->whole_width} * view->whole_height;
     decoder->imageSizeLimit =
-        static_cast<std::uint32_t>(std::min<std::uint64_t>(pixels_of_whole, decoder->imageSizeLimit));
+        static_cast<std::uint32_t>(std::min<std::uint64_t>(view->whole_pixels(), decoder->imageSizeLimit));
     if (avifDecoderNextImage(decoder.get()) != AVIF_RESULT_OK || !has_whole_size()) return broken_image();
     const auto pixels = std::make_shared<Pixels>();
     if (!pixels->convert(image))

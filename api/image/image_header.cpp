@@ -277,6 +277,7 @@ Result<ImageHeader> read_avif(std::string_view bytes) {
     const uint64_t sample = std::ranges::any_of(properties, is_small) ? 1 : 2;
     header.decoder_bytes =
         (view->whole_width + kBorder) * (view->whole_height + kBorder) * (kSamples * sample + kTables);
+    header.decoder_bytes += bytes.size();  // for a copy that the library can read
     return header;
 }
 

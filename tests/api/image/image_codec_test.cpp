@@ -336,6 +336,29 @@ TEST(ImageCodec, ReadsTheAlphaOfHeics) {
     }
 }
 
+TEST(ImageCodec, ReadsAvifsThatEndWithABoxWithoutASize) {
+    using namespace std::string_literals;
+    std::string file = fixture("lossless.avif");
+    const std::size_t meta = file.find("meta") - 4, data = file.rfind("mdat") - 4;
+    const auto offset = static_cast<char>(meta + 8);  // of the pixels, which then come first
+    file.replace(file.find("\0\0\1\x1a"s), 4, "\0\0\0"s + offset);
+    file.replace(meta, 4, 4, '\0');
+    const auto picture =
+        decode_image(file.substr(0, meta) + file.substr(data) + file.substr(meta, data - meta), kMaxPixels);
+    ASSERT_TRUE(picture) << picture.error().message;
+    expect_quadrants(*picture, srgb_to_linear, "lossless.avif");
+}
+
+TEST(ImageCodec, ReadsAvifsWithSound) {
+    constexpr std::size_t kHeader = 104, kSize = 8;  // of a track; the header ends with the size, which sound lacks
+    std::string file = fixture("film.avif");
+    const auto expected = decode_image(file, kMaxPixels);
+    file.replace(file.rfind("tkhd") - 4 + kHeader - kSize, kSize, kSize, '\0');
+    const auto picture = decode_image(file, kMaxPixels);
+    ASSERT_TRUE(expected && picture);
+    EXPECT_EQ(picture->luminance, expected->luminance);
+}
+
 TEST(ImageCodec, CropsAvifs) {
     const auto picture = decode_image(fixture("cropped.avif"), kMaxPixels);
     const auto whole = decode_image(fixture("lossless.avif"), kMaxPixels);
