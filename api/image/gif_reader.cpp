@@ -69,8 +69,8 @@ bool read_frame(GifFileType& file, const ImageHeader& header, Frame& frame) {
     }
     const bool is_seen = width > 0 && height > 0 && left < file.SWidth && top < file.SHeight;
     const bool is_expected = std::cmp_equal(file.SWidth, header.width) && std::cmp_equal(file.SHeight, header.height);
-    if (!is_expected || !is_seen || palette == nullptr) return false;
-    std::copy_n(palette->Colors, palette->ColorCount, frame.palette.begin());
+    if (!is_expected || !is_seen) return false;
+    if (palette != nullptr) std::copy_n(palette->Colors, palette->ColorCount, frame.palette.begin());
     return read_pixels(file, frame);
 }
 

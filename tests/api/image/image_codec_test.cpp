@@ -425,6 +425,16 @@ TEST(ImageCodec, ShowsGifFramesBeyondTheScreen) {
     EXPECT_EQ(std::ranges::count(part->alpha, 1.0F), 4 * 16);
 }
 
+TEST(ImageCodec, ShowsGifsWithoutAPaletteInBlack) {
+    constexpr std::size_t kFlags = 10, kPalette = 13;
+    std::string file = fixture("grey.gif");
+    const std::size_t size = std::size_t{6} << (file[kFlags] & 7);
+    file[kFlags] = static_cast<char>(file[kFlags] & 0x7F);
+    const auto picture = decode_image(file.erase(kPalette, size), kMaxPixels);
+    ASSERT_TRUE(picture);
+    EXPECT_EQ(std::ranges::count(picture->luminance, 0.0F), 24 * 16);
+}
+
 TEST(ImageCodec, ReadsBmpsWithoutTheirLastBytes) {
     // The last row of 23 pixels of 24 bits ends with three bytes of padding, which are last in the file.
     std::string file = fixture("rgb.bmp");
