@@ -10,12 +10,21 @@ least 8 x 8 pixels. L* of a cell is that of its mean luminance. Our luminance is
 Prints the files whose cells differ by more than 2 L* on average, the files that ccdt refuses, and the counts.
 
 Some differences are decisions:
-- HDR pictures (PQ, HLG) are mapped by the extended curve of Reinhard, and not by the curve of Chromium.
+- HDR pictures (PQ, HLG) are mapped by the extended curve of Reinhard, and not by the curve of Chromium. This includes
+  AVIFs with a gain map whose base is HDR.
 - A WebP with an orientation in EXIF is turned upright, which Chromium does not do.
-- A crop (clap) of an AVIF is always applied.
-- Of animations, ccdt reads the default image or the first frame; Chromium may already draw a later frame.
-- Icons are refused by name. Truncated pictures are refused, of which Chromium shows the part that is there.
+- A crop (clap) of an AVIF is applied, because HEIF requires it. Chromium shows the whole picture.
+- A layer that an AVIF selects (lsel) is shown. Chromium shows nothing.
+- Of animations, ccdt reads the default image or the first frame, as Pillow and ImageMagick do. Chromium draws a frame of
+  the animation, of which the default image need not be part.
+- Icons are refused by name. Truncated or damaged pictures are refused, of which Chromium shows the part that is there:
+  also PNGs with wrong checksums or without IEND, JPEGs with wrong codes, GIFs with codes of more than 8 bits.
 - A BMP whose alpha is zero everywhere is opaque, and not invisible.
+- Pixels that the runs of a BMP leave out have the first colour of the palette, as in Pillow and ImageMagick. Chromium
+  makes them black.
+- The alpha of a BMP has the bits that the file states. If this is one bit of 32, Chromium takes 8.
+- The measure exceeds 2 L* where an edge between black and transparent crosses a picture of 16 pixels, because the
+  smooth edge of the enlargement is lighter than black.
 """
 import io
 import json
@@ -85,13 +94,13 @@ def lightness(luminance):
     return np.where(luminance > 216 / 24389, 116 * np.cbrt(luminance) - 16, 24389 / 27 * luminance)
 
 
-def cells(picture, columns, rows):
-    """Returns the mean luminances of the cells of a grey picture."""
+def cells(picture, seen):
+    """Returns the mean luminances of the cells of a grey picture. The cells consist of whole pixels of the file."""
     values = np.asarray(picture) / 255
     light = np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
-    for axis, count in enumerate((rows, columns)):
+    for axis, (count, pixels) in enumerate(((seen["rows"], seen["height"]), (seen["columns"], seen["width"]))):
         length = light.shape[axis]
-        edges = -(-np.arange(count + 1) * length // count)
+        edges = -(-np.arange(count + 1) * pixels // count) * length // pixels
         light = np.add.reduceat(light, edges[:-1], axis) / np.diff(edges).reshape((-1, 1) if axis == 0 else (1, -1))
     return light.ravel()
 
@@ -106,7 +115,7 @@ def ours(url, file, seen):
                                      {"Content-Type": "application/octet-stream"})
     try:
         with urllib.request.urlopen(request, timeout=100) as answer:
-            return cells(Image.open(io.BytesIO(answer.read())).convert("L"), seen["columns"], seen["rows"])
+            return cells(Image.open(io.BytesIO(answer.read())).convert("L"), seen)
     except urllib.error.HTTPError as error:
         return f"{error.code} {json.load(error)['detail']}"
 
