@@ -322,7 +322,7 @@ Result<PlacedHalftone> place_halftone(const HalftoneRequest& request, const Limi
     auto dots = place_dots(request, *plan, control);
     timings.optimise = watch.lap();
     if (!dots) return tl::unexpected(dots.error());
-    return PlacedHalftone{*std::move(plan), *std::move(dots), timings.decode + timings.prepare + timings.optimise};
+    return PlacedHalftone{*std::move(plan), *std::move(dots), timings.before_encoding()};
 }
 
 Result<Answer> write_answer(const HalftoneRequest& request, const PlacedHalftone& placed, const PointFormat& format,

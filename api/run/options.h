@@ -39,6 +39,8 @@ struct Timings {
     double processor = 0;  ///< processor time of all threads and of decoders; set by the caller that runs the threads
     /// Maximum number of simultaneous threads, set by the caller that runs them. 0: nothing was computed.
     std::uint32_t threads = 0;
+
+    double before_encoding() const { return decode + prepare + optimise; }
 };
 
 /// Size of the dots of a halftone, for clients that draw the dots.

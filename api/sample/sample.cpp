@@ -74,7 +74,7 @@ Result<PlacedSample> place_sample(const SampleRequest& request, const Limits& li
     if (!placed) return tl::unexpected(placed.error());
     if (auto warned = warn_of_lost(request, placed->lost, *area); !warned) return tl::unexpected(warned.error());
     warn_of_degrees(request.region, *area);
-    return PlacedSample{*std::move(area), *std::move(placed), timings.decode + timings.prepare + timings.optimise};
+    return PlacedSample{*std::move(area), *std::move(placed), timings.before_encoding()};
 }
 
 Result<Answer> write_answer(const SampleRequest& request, const PlacedSample& sample, const PointFormat& format,

@@ -176,13 +176,9 @@ Result<PlacedSurface> place_sample3(const SurfaceRequest& request, const Decode&
     if (auto whole = check_whole(dots->stopped, request.on_deadline); !whole) return tl::unexpected(whole.error());
     warn_of_rounding(request, made->surface, made->warnings);
     for (std::string& warning : read->warnings) made->warnings.push_back({std::move(warning)});
-    return PlacedSurface{std::move(read->soup),
-                         std::move(made->surface),
-                         std::move(made->repairs),
-                         std::move(made->warnings),
-                         *std::move(dots),
-                         request.run.seed,
-                         timings.decode + timings.prepare + timings.optimise};
+    return PlacedSurface{std::move(read->soup),     std::move(made->surface), std::move(made->repairs),
+                         std::move(made->warnings), *std::move(dots),         request.run.seed,
+                         timings.before_encoding()};
 }
 
 Cost cost_of(const SurfaceRequest& request) {

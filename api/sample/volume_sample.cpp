@@ -241,7 +241,7 @@ Result<PlacedVolume> place_sample3(const VolumeRequest& request, const Decode& d
     if (!dots) return tl::unexpected(located(std::move(dots.error())));
     if (auto whole = check_whole(dots->stopped, request.on_deadline); !whole) return tl::unexpected(whole.error());
     placed.dots = *std::move(dots);
-    placed.elapsed = timings.decode + timings.prepare + timings.optimise;
+    placed.elapsed = timings.before_encoding();
     return placed;
 }
 
