@@ -36,12 +36,12 @@ struct ColourConversion {
 ///
 /// High dynamic range (PQ and HLG) is compressed. The largest of red, green and blue, relative to a diffuse white of
 /// 203 cd/m2, is x; the three are multiplied by (1 + x / p^2) / (1 + x), where p is 1,000 cd/m2 relative to white.
-/// Light above p becomes white. The display of HLG has a peak of 1,000 cd/m2 and a gamma of 1.2. Sources: ITU-R
-/// BT.2100, BT.2408; Reinhard et al. 2002, equation 4.
+/// Light above p becomes white. The display of HLG has a peak of 1,000 cd/m2 and a gamma of 1.2.
 ///
 /// @returns  none if there is nothing to convert: there are no usable tags, or the tags describe sRGB, except for
 ///           rounding
-/// Source: ICC.1:2022; Little CMS 2.14.
+///
+/// Sources: ICC.1:2022; Little CMS 2.14; ITU-R BT.2100, BT.2408; Reinhard et al. 2002, equation 4.
 std::optional<ColourConversion> convert_colours(const ColourTags& tags);
 
 /// Returns the conversion of CIELAB, as in RowSource::Space::Lab.
