@@ -293,6 +293,8 @@ private:
         if (index) {
             auto read = gltf_.accessor(index, primitive.corners, 1);
             if (!read) return tl::unexpected(read.error());
+            if (!read->is_whole())
+                return gltf_.wrong("the indices of mesh " + std::to_string(instance.mesh) + " are not whole numbers");
             indices = *std::move(read);
         }
         // A reflection would turn the triangles over.
@@ -368,6 +370,8 @@ private:
             if (!indices) return tl::unexpected(indices.error());
             if (!weights) return tl::unexpected(weights.error());
             if (!*indices || !*weights) break;
+            if (!(*indices)->is_whole())
+                return gltf_.wrong("the joints of mesh " + std::to_string(instance.mesh) + " are not whole numbers");
             for (std::size_t i = 0; i < 4 * positions.size(); ++i) {
                 const double weight = (*weights)->at(i / 4, i % 4), joint = (*indices)->at(i / 4, i % 4);
                 if (weight == 0) continue;

@@ -279,6 +279,7 @@ Result<void> GltfDocument::replace_elements(JsonValue sparse, GltfAccessor& acce
     indices.type_ = static_cast<std::uint32_t>(index(member(sparse, "indices", "componentType"), kMost).value_or(0));
     indices.stride_ = indices.component_size();
     const std::size_t element = accessor.stride_;
+    if (!indices.is_whole()) return wrong("the indices of a sparse accessor are not whole numbers");
     if (indices.stride_ == 0 || places->size() / indices.stride_ < count || values->size() / element < count)
         return wrong("a sparse accessor exceeds its buffer view");
     for (std::size_t i = 0; i < count; ++i) {

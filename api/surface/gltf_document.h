@@ -23,6 +23,9 @@ public:
     std::size_t count() const { return count_; }
     std::size_t components() const { return components_; }
 
+    /// Whether all components are whole numbers, as indices must be.
+    bool is_whole() const { return type_ != kFloat && !is_normalised_; }
+
     /// Returns a component of an element. Normalised integers are converted.
     double at(std::size_t element, std::size_t component) const;
 

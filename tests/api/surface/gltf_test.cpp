@@ -224,6 +224,10 @@ TEST(Gltf, PosesSkinsByTheirJoints) {
     expect_refused(maker.file(), "vertex 0 of mesh 0 refers to a joint that is missing");
     maker.rest = R"(,"skins":[{"joints":[77,1]}])";
     expect_refused(maker.file(), "skin 0 refers to a node that is missing");
+    maker.add(std::vector<float>(32, 0.5F), kFloat, "VEC4", 4);
+    maker.primitives = R"({"attributes":{"POSITION":0,"JOINTS_0":5,"WEIGHTS_0":3},"indices":1})";
+    maker.rest = R"(,"skins":[{"joints":[0,1]}])";
+    expect_refused(maker.file(), "the joints of mesh 0 are not whole numbers");
 }
 
 TEST(Gltf, ReadsSparseAccessors) {
@@ -237,6 +241,8 @@ TEST(Gltf, ReadsSparseAccessors) {
     expect_cube(maker.file());
     maker.buffer[maker.buffer.size() - 28] = 8;
     expect_refused(maker.file(), "a sparse accessor replaces an element that is missing");
+    maker.accessors.replace(maker.accessors.find(R"(2,"componentType":5121)"), 22, R"(2,"componentType":5126)");
+    expect_refused(maker.file(), "the indices of a sparse accessor are not whole numbers");
     // Without a buffer view, other elements are 0.
     Maker zeros = Maker::of();
     zeros.add<std::uint8_t>({1, 2, 3, 4, 5, 6, 7}, kUnsignedByte, "SCALAR", 1);
@@ -268,6 +274,14 @@ TEST(Gltf, NamesWhatIsDamagedOrNotSupported) {
     refused([](Maker& m) { m.buffer[96] = 8; },
             "triangle 0 of mesh 0 refers to vertex 8, but there are only 8 vertices");
     refused([](Maker& m) { m.primitives = R"({"attributes":{"POSITION":0},"indices":7})"; }, "it has no triangles");
+    refused(
+        [](Maker& m) {
+            m.add<float>({0, 1, 5e30F}, kFloat, "SCALAR", 1);
+            m.primitives = R"({"attributes":{"POSITION":0},"indices":2})";
+        },
+        "the indices of mesh 0 are not whole numbers");
+    refused([](Maker& m) { m.accessors.insert(m.accessors.rfind('}'), R"(,"normalized":true)"); },
+            "the indices of mesh 0 are not whole numbers");
     refused([](Maker& m) { m.accessors.replace(m.accessors.find("VEC3"), 4, "VEC2"); },
             "accessor 0 has an unsuitable type");
     refused([](Maker& m) { m.accessors.replace(m.accessors.find("5126"), 4, "5130"); },
