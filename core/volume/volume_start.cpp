@@ -30,29 +30,16 @@ public:
 
     /// Returns a place for a site, which is outside the domain or the density if none is found.
     /// @param box  relative to the sides of the domain
-    Point3 operator()(const Box3& box, std::size_t site) {
-        constexpr int kAttempts = 32;  // a site of a thin part of a solid is hard to find at random
-        const Point3 sides = domain_.sides;
+    Point3 operator()(Box3 box, std::size_t site) {
         Random random(seed_, site);
         found_.clear();
+        met_gap_ = false;
+        Point3 place = search(box, random);
+        // A cell of `inside_` may contain a gap of the density, and the whole box may lie in this gap.
+        while (found_.empty() && met_gap_ && widen(box)) place = search(box, random);
+        if (found_.empty() || zones_.count() == 1) return place;
         double all = 0;
-        Point3 place;
-        for (int attempt = 0; attempt < kAttempts; ++attempt) {
-            const double x = random.uniform(), y = random.uniform(), z = random.uniform();
-            const Point3 p = inside_.draw(box, {x, y, z});
-            place = {p.x * sides.x, p.y * sides.y, p.z * sides.z};
-            if (!domain_.contains(place) || !density_.is_positive(p)) continue;
-            if (zones_.count() == 1) return place;
-            const std::uint32_t zone = zones_.at(p);
-            const double weight = weight_at(p);
-            const auto known = std::ranges::find(found_, zone, &Found::zone);
-            if (known == found_.end())
-                found_.push_back({zone, weight, place});
-            else
-                known->weight += weight;
-            all += weight;
-        }
-        if (found_.empty()) return place;
+        for (const Found& each : found_) all += each.weight;
         for (const Found& each : found_) {
             in_zone_[each.zone] += each.weight / all;
             in_class_[zones_.class_of(each.zone)] += each.weight / all;
@@ -67,6 +54,50 @@ public:
     }
 
 private:
+    /// Doubles the sides of a box, as far as the domain's bounding box allows.
+    /// @returns  whether the box has grown
+    static bool widen(Box3& box) {
+        bool has_grown = false;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            double &low = along(box.min, axis), &high = along(box.max, axis);
+            const double margin = (high - low) / 2;
+            has_grown |= low > 0 || high < 1;
+            low = std::max(low - margin, 0.0);
+            high = std::min(high + margin, 1.0);
+        }
+        return has_grown;
+    }
+
+    /// Draws places in a box, and collects those in the domain where the density is positive. If there is only one
+    /// zone, one such place is enough.
+    /// @returns  the last place
+    Point3 search(const Box3& box, Random& random) {
+        constexpr int kAttempts = 32;  // a site of a thin part of a solid is hard to find at random
+        const Point3 sides = domain_.sides;
+        Point3 place;
+        for (int attempt = 0; attempt < kAttempts && (found_.empty() || zones_.count() > 1); ++attempt) {
+            const double x = random.uniform(), y = random.uniform(), z = random.uniform();
+            const Point3 p = inside_.draw(box, {x, y, z});
+            place = {p.x * sides.x, p.y * sides.y, p.z * sides.z};
+            if (!domain_.contains(place)) continue;
+            if (density_.is_positive(p)) {
+                add(zones_.at(p), weight_at(p), place);
+            } else {
+                met_gap_ = true;
+            }
+        }
+        return place;
+    }
+
+    void add(std::uint32_t zone, double weight, Point3 place) {
+        const auto known = std::ranges::find(found_, zone, &Found::zone);
+        if (known == found_.end()) {
+            found_.push_back({zone, weight, place});
+        } else {
+            known->weight += weight;
+        }
+    }
+
     /// Returns the density at a place, relative to that with which the place was drawn. They differ in a solid, because
     /// a cell of `inside_` may contain parts of several voxels.
     double weight_at(Point3 p) const {
@@ -90,6 +121,7 @@ private:
     std::vector<double> in_zone_;   ///< [zones] sites that the zone should have had so far, minus those that it has
     std::vector<double> in_class_;  ///< [classes] the same for the zones of a class
     std::vector<Found> found_;      ///< in the current cell
+    bool met_gap_ = false;          ///< whether a place in the domain had no density
 };
 
 }  // namespace

@@ -126,6 +126,19 @@ TEST(DistributeInSolid, PutsTheirShareOfPointsOnBothSidesOfSteps) {
     }
 }
 
+TEST(DistributeInSolid, PutsNoPointWhereTheDensityIsZero) {
+    const Solid cube = solid_of(test::cube_surface());
+    std::vector<double> checker;
+    for (int i = 0; i < 64; ++i) checker.push_back((i + i / 4 + i / 16) % 2);
+    const VoxelDensity density = *VoxelDensity::create({4, 4, 4}, checker);
+    for (const int sites : {1, 20, 2000}) {
+        for (const Point3 p : distributed(cube, {.sites = static_cast<std::size_t>(sites)}, density).points) {
+            const auto voxel = [](double x) { return std::min(static_cast<int>(4 * x), 3); };
+            EXPECT_EQ((voxel(p.x) + voxel(p.y) + voxel(p.z)) % 2, 1) << p.x << ' ' << p.y << ' ' << p.z;
+        }
+    }
+}
+
 TEST(DistributeInSolid, KeepsSitesAwayFromFixedPoints) {
     VolumeOptions options{.sites = 900};
     for (int i = 0; i < 100; ++i) options.fixed.push_back({0.5, (i / 10 + 0.5) / 10, (i % 10 + 0.5) / 10});
