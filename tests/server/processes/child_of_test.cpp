@@ -30,7 +30,7 @@ std::string inherited() {
     }
     sigset_t blocked;
     sigprocmask(SIG_SETMASK, nullptr, &blocked);
-    told += sigismember(&blocked, SIGTERM) == 1 ? " blocked" : "";
+    told += sigismember(&blocked, SIGWINCH) == 1 ? " blocked" : "";
     told += std::signal(SIGPIPE, SIG_DFL) == SIG_DFL ? "" : " ignored";
     told += getpgid(0) == getpid() ? " own group" : "";
     for (const char* name : {"CCDT_SECRET", "NO_SECRET"})

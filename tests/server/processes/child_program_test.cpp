@@ -90,10 +90,10 @@ TEST(ChildProgram, InheritsOnlyItsSocket) {
     setenv("CCDT_SECRET", "1", 1);
     setenv("NO_SECRET", "1", 1);
     std::signal(SIGPIPE, SIG_IGN);
-    sigset_t terminate, before;
-    sigemptyset(&terminate);
-    sigaddset(&terminate, SIGTERM);
-    pthread_sigmask(SIG_BLOCK, &terminate, &before);
+    sigset_t resize, before;
+    sigemptyset(&resize);
+    sigaddset(&resize, SIGWINCH);
+    pthread_sigmask(SIG_BLOCK, &resize, &before);
     const UniqueFd other(dup(STDERR_FILENO));
     auto sockets = make_sockets();
     auto child = spawn(std::move(sockets.theirs), {"tell"});
