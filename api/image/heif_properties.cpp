@@ -107,6 +107,12 @@ std::optional<std::uint32_t> first_of_crop(const ByteReader& crop, std::size_t a
     return static_cast<std::uint32_t>(first);
 }
 
+/// Returns the whole part of a fraction; 0 if it is not a number.
+std::uint32_t whole_part(const ByteReader& reader, std::size_t at) {
+    const auto numerator = reader.read(at, 4).value_or(0), denominator = reader.read(at + 4, 4).value_or(0);
+    return denominator == 0 ? 0 : numerator / denominator;
+}
+
 /// Returns the properties of an item; empty if the file is broken.
 std::vector<Chunk> properties_of(std::string_view meta, std::uint32_t item) {
     const auto properties = find_box(meta, "iprp");
@@ -163,11 +169,6 @@ bool is_heic(std::string_view bytes) {
     return !is_avif(bytes) && has_brand(bytes, kBrands);
 }
 
-std::optional<std::uint32_t> whole_part(const ByteReader& reader, std::size_t at) {
-    const auto numerator = reader.read(at, 4), denominator = reader.read(at + 4, 4);
-    return numerator && denominator.value_or(0) > 0 ? std::optional(*numerator / *denominator) : std::nullopt;
-}
-
 std::optional<HeifView> heif_view(std::span<const Chunk> properties) {
     HeifView view;
     const Chunk* crop = nullptr;
@@ -181,8 +182,8 @@ std::optional<HeifView> heif_view(std::span<const Chunk> properties) {
     }
     if (crop == nullptr) return view;
     const ByteReader reader(crop->data, true);
-    view.width = whole_part(reader, 0).value_or(0);
-    view.height = whole_part(reader, 8).value_or(0);
+    view.width = whole_part(reader, 0);
+    view.height = whole_part(reader, 8);
     const auto left = first_of_crop(reader, 16, view.whole_width, view.width);
     const auto top = first_of_crop(reader, 24, view.whole_height, view.height);
     if (!left || !top) return std::nullopt;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -22,9 +21,6 @@ bool is_heic(std::string_view bytes);
 /// shows. Properties are boxes such as ispe (size), pixi (bits) and colr (colours). The result is empty if the file is
 /// broken or ends too early. O(bytes). Source: HEIF (ISO/IEC 23008-12), 6 and 9.3.
 std::vector<Chunk> heif_properties(std::string_view bytes);
-
-/// Returns the whole part of a fraction, which is stored as a numerator and a denominator; none if it is not a number.
-std::optional<std::uint32_t> whole_part(const ByteReader& reader, std::size_t at);
 
 /// The part of a picture that is shown, in pixels.
 struct HeifView {

@@ -281,6 +281,14 @@ Result<ImageHeader> read_avif(std::string_view bytes) {
     return header;
 }
 
+/// Returns a side of a crop as the library shows it: rounded to the nearest pixel, and at most the side of the picture.
+/// @param at  offset of the side in the property, as a numerator and a denominator
+uint64_t side_of_crop(const ByteReader& crop, std::size_t at, uint64_t whole) {
+    const auto numerator = crop.read(at, 4), denominator = crop.read(at + 4, 4);
+    if (!numerator || denominator.value_or(0) == 0) return whole;
+    return std::min((uint64_t{*numerator} + *denominator / 2) / *denominator, whole);
+}
+
 /// Reads the header of a HEIF other than an AVIF. The size is that after the crop.
 Result<ImageHeader> read_heic(std::string_view bytes) {
     constexpr uint64_t kSamples = 16;           // per pixel; at most 14 were measured
@@ -301,9 +309,8 @@ Result<ImageHeader> read_heic(std::string_view bytes) {
             whole = header.pixels();
         }
         if (property.name == "clap") {
-            // The library shows all of a side that is shorter than the crop.
-            header.width = std::min<uint64_t>(whole_part(reader, 0).value_or(header.width), header.width);
-            header.height = std::min<uint64_t>(whole_part(reader, 8).value_or(header.height), header.height);
+            header.width = side_of_crop(reader, 0, header.width);
+            header.height = side_of_crop(reader, 8, header.height);
         }
         if (property.name == "pixi" && has_bytes(property)) sample = 1;
     }

@@ -321,6 +321,20 @@ TEST(ImageCodec, DecodesLosslessAvifsAndHeicsExactly) {
     }
 }
 
+TEST(ImageCodec, RoundsCropsOfHeics) {
+    std::string file = fixture("orientation-1.heic");
+    const auto whole = decode_image(file, kMaxPixels);
+    const std::size_t crop = file.find("clap") + 4;
+    ASSERT_EQ(file.substr(crop, 8), std::string("\0\0\0\x18\0\0\0\1", 8));
+    file.replace(crop, 8, std::string("\0\0\0\x31\0\0\0\2", 8));  // 24.5 pixels instead of 24
+    const auto rounded = decode_image(file, kMaxPixels);
+    ASSERT_TRUE(whole && rounded);
+    EXPECT_EQ(whole->width, 24);
+    EXPECT_EQ(rounded->width, 25);
+    EXPECT_EQ(rounded->height, 16);
+    EXPECT_EQ(rounded->luminance[1], whole->luminance[1]);
+}
+
 TEST(ImageCodec, ReadsTheAlphaOfHeics) {
     for (const auto* name : {"rgba.heic", "premultiplied.heic"}) {
         const auto picture = decode_colour_image(fixture(name), kMaxPixels);
