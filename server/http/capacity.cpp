@@ -69,6 +69,11 @@ Capacity::IdleConnections::iterator Capacity::first_idle_locked(std::optional<Co
     });
 }
 
+bool Capacity::has_idle_locked(ConnectionClass connection_class) const {
+    return std::ranges::any_of(
+        idle_, [connection_class](const auto& entry) { return entry.second.slot->class_ == connection_class; });
+}
+
 /// Shuts down the socket of an idle connection. The connection's thread notices this and releases the slot.
 void Capacity::close_locked(IdleConnections::iterator idle) {
     const auto& [slot, socket, has_begun] = idle->second;
@@ -85,8 +90,9 @@ bool Capacity::free_slot(ConnectionClass connection_class, std::unique_lock<std:
     while (!has_slot_locked(connection_class)) {
         const auto idle = first_idle_locked(connection_class);
         const auto now = Clock::now();
-        if (idle == idle_.end() || now >= end) return false;
-        auto until = idle->first;
+        if (now >= end || !has_idle_locked(connection_class)) return false;
+        // Connections with unread bytes may be idle again as soon as their threads have read these bytes.
+        auto until = idle == idle_.end() ? now + kTimeForAnother : idle->first;
         if (now >= until) {
             close_locked(idle);
             until = now + kTimeForAnother;

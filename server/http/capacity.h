@@ -86,6 +86,7 @@ private:
     using IdleConnections = std::multimap<Clock::time_point, Idle>;
 
     IdleConnections::iterator first_idle_locked(std::optional<ConnectionClass> connection_class);
+    bool has_idle_locked(ConnectionClass connection_class) const;
     void close_locked(IdleConnections::iterator idle);
     bool free_slot(ConnectionClass connection_class, std::unique_lock<std::mutex>& lock);
     std::optional<ConnectionClass> find_class(std::unique_lock<std::mutex>& lock);
