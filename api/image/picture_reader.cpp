@@ -115,11 +115,13 @@ private:
     std::array<const float*, 3> values_{};
 };
 
-/// Converts linear light from other primaries to those of sRGB.
+/// Converts linear light from other primaries to those of sRGB. Computes in doubles, because large terms cancel if the
+/// primaries nearly coincide.
 class ForeignLight {
 public:
     explicit ForeignLight(const LightMatrix& matrix) : matrix_(matrix) {
-        for (std::size_t i = 0; i < 3; ++i) weights_[i] = ccdt::luminance_of(matrix[0][i], matrix[1][i], matrix[2][i]);
+        for (std::size_t i = 0; i < 3; ++i)
+            weights_[i] = ccdt::luminance_of<double>(matrix[0][i], matrix[1][i], matrix[2][i]);
     }
 
     float luminance_of(float red, float green, float blue) const {
@@ -129,29 +131,29 @@ public:
     /// Returns the light with the primaries of sRGB. A colour outside the gamut of sRGB is mixed with just enough grey
     /// of the same luminance. Clipping would change the luminance.
     std::array<float, 3> convert(float red, float green, float blue) const {
-        std::array<float, 3> light{};
+        std::array<double, 3> light{};
         for (std::size_t i = 0; i < 3; ++i)
-            light[i] = matrix_[i][0] * red + matrix_[i][1] * green + matrix_[i][2] * blue;
-        const float low = std::min(std::min(light[0], light[1]), light[2]);
-        const float high = std::max(std::max(light[0], light[1]), light[2]);
+            light[i] = double{matrix_[i][0]} * red + double{matrix_[i][1]} * green + double{matrix_[i][2]} * blue;
+        const double low = std::min(std::min(light[0], light[1]), light[2]);
+        const double high = std::max(std::max(light[0], light[1]), light[2]);
         if (low >= 0 && high <= 1) return {settle(light[0]), settle(light[1]), settle(light[2])};
-        const float grey = luminance_of(red, green, blue);
-        float kept = 1;
+        const double grey = luminance_of(red, green, blue);
+        double kept = 1;
         if (low < 0) kept = std::min(kept, grey / (grey - low));
         if (high > 1) kept = std::min(kept, (1 - grey) / (high - grey));
-        for (float& value : light) value = settle(grey + kept * (value - grey));
-        return light;
+        const auto mixed = [&](double value) { return settle(grey + kept * (value - grey)); };
+        return {mixed(light[0]), mixed(light[1]), mixed(light[2])};
     }
 
 private:
     /// Rounds light that is nearly white to exactly white, so that white areas get no dots.
-    static float settle(float light) {
-        constexpr float kWhite = 1 - 1e-6F;
-        return light >= kWhite ? 1.0F : std::max(light, 0.0F);
+    static float settle(double light) {
+        constexpr double kWhite = 1 - 1e-6;
+        return light >= kWhite ? 1.0F : static_cast<float>(std::max(light, 0.0));
     }
 
     LightMatrix matrix_;
-    std::array<float, 3> weights_{};
+    std::array<double, 3> weights_{};
 };
 
 /// Picture whose planes are being filled.
