@@ -17,10 +17,10 @@ sigset_t signals_left_to_server() {
 }
 
 void leave_signals_to_server() {
-    ignore_signals(kEndSignals);
-    ignore_signals(kSignalsWithoutMeaning);
-    std::signal(SIGHUP, SIG_IGN);
     const auto signals = signals_left_to_server();
+    for (int number = 1; number < NSIG; ++number) {
+        if (sigismember(&signals, number) == 1) std::signal(number, SIG_IGN);
+    }
     sigprocmask(SIG_UNBLOCK, &signals, nullptr);
 }
 
