@@ -89,6 +89,7 @@ public:
     std::optional<std::string_view> data(std::uint32_t tag) const;
 
     bool has(std::uint32_t tag) const { return find(tag).has_value(); }
+    std::size_t entries() const { return entries_; }
     std::size_t begin() const { return begin_; }  ///< offset of the directory; 0: none
     std::size_t next() const;                     ///< offset of the next directory in the file's list; 0: none
 

@@ -198,8 +198,11 @@ std::string name_of(const TiffPixels& pixels) {
     return name;
 }
 
-/// Checks what libtiff cannot open: bits per sample that differ.
-Result<void> check_bits(const TiffDirectory& directory) {
+/// Checks what libtiff cannot open: a long directory, and bits per sample that differ.
+Result<void> check_directory(const TiffDirectory& directory) {
+    constexpr std::size_t kMaxEntries = 4096;
+    if (directory.entries() > kMaxEntries)
+        return unusual(std::to_string(directory.entries()) + " tags; the limit is " + std::to_string(kMaxEntries));
     const auto samples = std::min(directory.number(TIFFTAG_SAMPLESPERPIXEL).value_or(1), kMaxTiffSamples + 1U);
     const auto first = directory.number(TIFFTAG_BITSPERSAMPLE);
     for (std::uint32_t i = 1; i < samples; ++i) {
@@ -507,7 +510,7 @@ std::size_t size_of(RowSource::Sample sample) {
 
 Result<RowSource> open_tiff(std::string_view bytes, const ImageHeader& header, TiffUse use, std::size_t directory) {
     const TiffDirectory tags(bytes, directory);
-    if (auto checked = check_bits(tags); !checked) return tl::unexpected(checked.error());
+    if (auto checked = check_directory(tags); !checked) return tl::unexpected(checked.error());
     const auto blocks = std::make_shared<Blocks>(bytes, header.decoder_bytes, directory);
     TIFF* const tiff = blocks->get();
     if (tiff == nullptr || field<std::uint32_t>(tiff, TIFFTAG_IMAGEWIDTH) != header.width ||

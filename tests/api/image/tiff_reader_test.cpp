@@ -660,6 +660,11 @@ TEST(TiffReader, NamesKindsThatItDoesNotRead) {
     std::memcpy(&bits, rgb.data() + entry_of(rgb, TIFFTAG_BITSPERSAMPLE) + 8, 4);
     uneven[bits + 2] = 6;
     expect_refused(uneven, "channels of 8 and 6 bits");
+    std::string long_directory = grey;
+    std::size_t directory = 0;
+    std::memcpy(&directory, grey.data() + 4, 4);
+    long_directory.replace(directory, 2, "\x01\x10");
+    expect_refused(long_directory, "4097 tags; the limit is 4096");
 }
 
 TEST(TiffReader, KeepsTheValuesOfStacks) {
