@@ -22,18 +22,17 @@ std::optional<Chunk> png_chunk(std::string_view bytes, std::size_t at) {
     return Chunk{bytes.substr(at + 4, 4), bytes.substr(at + kHead, *length), at, at + kHead + *length + kChecksum};
 }
 
-std::string repair_png(std::string_view bytes) {
+std::optional<Chunk> misplaced_palette(std::string_view bytes) {
     constexpr std::size_t kColourType = 25;
     constexpr std::uint32_t kTrueColour = 2;
-    if (ByteReader(bytes, true).read(kColourType, 1) != kTrueColour) return {};
+    if (ByteReader(bytes, true).read(kColourType, 1) != kTrueColour) return std::nullopt;
     bool is_after = false;
     for (auto chunk = png_chunk(bytes, kPngChunks); chunk && chunk->name != "IDAT";
          chunk = png_chunk(bytes, chunk->end)) {
         if (chunk->name == "tRNS") is_after = true;
-        if (chunk->name == "PLTE" && is_after)
-            return std::string(bytes.substr(0, chunk->begin)).append(bytes.substr(chunk->end));
+        if (chunk->name == "PLTE" && is_after) return chunk;
     }
-    return {};
+    return std::nullopt;
 }
 
 std::optional<Chunk> riff_chunk(std::string_view bytes, std::size_t at) {

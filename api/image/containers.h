@@ -39,9 +39,9 @@ inline constexpr std::size_t kJpegSegments = 2;  ///< offset of the first segmen
 /// Source: PNG (ISO/IEC 15948), 5.3.
 std::optional<Chunk> png_chunk(std::string_view bytes, std::size_t at);
 
-/// Returns a copy of a PNG file without a suggested palette after the transparent colour. Because of this wrong order,
-/// libpng would ignore the colour, which viewers do not. Returns an empty string if the file has no such palette.
-std::string repair_png(std::string_view bytes);
+/// Returns the suggested palette of a PNG file if it stands after the transparent colour. Because of this wrong order,
+/// libpng would ignore the colour, which viewers do not.
+std::optional<Chunk> misplaced_palette(std::string_view bytes);
 
 /// Returns the chunk of a WebP file at an offset; none if the file ends before the chunk's data. The data of a
 /// truncated chunk ends with the file.

@@ -55,9 +55,11 @@ Result<RowSource> open(std::string_view bytes, const ImageHeader& header, bool k
     return open_by_library(bytes, header);
 }
 
+/// Returns a copy of a file without the faults that viewers ignore; empty if the file has none.
 std::string repair(std::string_view bytes, ImageFormat format) {
     if (format == ImageFormat::Jpeg) return repair_jpeg(bytes);
-    return format == ImageFormat::Png ? repair_png(bytes) : std::string();
+    const auto palette = format == ImageFormat::Png ? misplaced_palette(bytes) : std::nullopt;
+    return palette ? std::string(bytes.substr(0, palette->begin)).append(bytes.substr(palette->end)) : std::string();
 }
 
 template <class AnyPicture>

@@ -47,7 +47,7 @@ Result<ImageHeader> read_png(std::string_view bytes) {
     const uint64_t sample = *depth > 8 ? 2 : 1;
     // One more channel is needed, because the chunk tRNS may add alpha to any colour type.
     if (*interlaced != 0) header.decoder_bytes = header.pixels() * (kChannels[*colour] + 1) * sample;
-    header.decoder_bytes += repair_png(bytes).size();
+    if (misplaced_palette(bytes)) header.decoder_bytes += bytes.size();  // for a copy without the palette
     return header;
 }
 
