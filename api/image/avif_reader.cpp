@@ -127,29 +127,28 @@ Result<RowSource> open_avif(std::string_view bytes, const ImageHeader& header) {
     const Decoder decoder = make_decoder(repaired.empty() ? bytes : repaired);
     if (avifDecoderParse(decoder.get()) != AVIF_RESULT_OK) return broken_image();
     const avifImage& image = *decoder->image;
-    const auto view = heif_view(heif_properties(bytes));
-    if (!view || view->width != header.width || view->height != header.height) return broken_image();
-    const auto has_whole_size = [&] { return image.width == view->whole_width && image.height == view->whole_height; };
+    const HeifView& view = header.view;
+    const auto has_whole_size = [&] { return image.width == view.whole_width && image.height == view.whole_height; };
     if (!has_whole_size()) return broken_image();
     if (const std::string_view grid = misread_grid(bytes); !grid.empty()) return not_read(std::string(grid));
     // The codec is opened below, with this limit.
     decoder->imageSizeLimit =
-        static_cast<std::uint32_t>(std::min<std::uint64_t>(view->whole_pixels(), decoder->imageSizeLimit));
+        static_cast<std::uint32_t>(std::min<std::uint64_t>(view.whole_pixels(), decoder->imageSizeLimit));
     if (avifDecoderNextImage(decoder.get()) != AVIF_RESULT_OK || !has_whole_size()) return broken_image();
     const auto pixels = std::make_shared<Pixels>();
     if (!pixels->convert(image))
         return not_read("the matrix " + std::to_string(image.matrixCoefficients) + " of H.273");
 
     RowSource source;
-    source.width = static_cast<int>(view->width);
-    source.height = static_cast<int>(view->height);
+    source.width = static_cast<int>(view.width);
+    source.height = static_cast<int>(view.height);
     source.channels = pixels->channels();
     source.alpha = pixels->has_alpha() ? source.channels - 1 : -1;
     source.premultiplied = pixels->has_alpha() && image.alphaPremultiplied != AVIF_FALSE;
     source.sample = image.depth > 8 ? RowSource::Sample::Word : RowSource::Sample::Byte;
     source.orientation = orientation_of(image);
     source.step = kRows;
-    source.read = [pixels, view = *view, sample = source.sample](int begin, int end, void* rows) {
+    source.read = [pixels, view, sample = source.sample](int begin, int end, void* rows) {
         if (sample == RowSource::Sample::Byte) {
             pixels->read(view, begin, end, static_cast<std::uint8_t*>(rows));
         } else {

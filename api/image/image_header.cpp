@@ -10,7 +10,6 @@
 #include "api/image/broken_image.h"
 #include "api/image/colour_tags.h"
 #include "api/image/containers.h"
-#include "api/image/heif_properties.h"
 #include "api/text/file_kind.h"
 
 namespace ccdt::api {
@@ -272,6 +271,7 @@ Result<ImageHeader> read_avif(std::string_view bytes) {
     if (!view) return failure(ErrorCode::Unusable, "the image is an AVIF with a crop (clap) beyond its pixels");
     if (view->whole_width > kMaxAvifSide || view->whole_height > kMaxAvifSide) return broken_image();
     ImageHeader header{ImageFormat::Avif, view->width, view->height, 0};
+    header.view = *view;
     if (view->whole_pixels() > kMaxCropped * header.pixels() + kMaxTilePixels) return shows_too_little("AVIF");
     const auto is_small = [](const Chunk& property) { return property.name == "pixi" && has_bytes(property); };
     const uint64_t sample = std::ranges::any_of(properties, is_small) ? 1 : 2;

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "api/image/heif_properties.h"
 #include "api/image/image_format.h"
 #include "core/result.h"
 
@@ -24,6 +25,7 @@ struct ImageHeader {
     std::uint64_t decoder_bytes = 0;
     bool is_ink_jpeg = false;  ///< whether the file is a JPEG with four channels: cyan, magenta, yellow, black
     std::uint64_t frames = 1;  ///< number of frames, or of pages of a TIFF; only one of them is read
+    HeifView view = {};        ///< of an AVIF
 
     std::uint64_t pixels() const { return width * height; }
 };
