@@ -25,6 +25,7 @@ struct Kind {
 constexpr auto kKinds = std::to_array<Kind>({
     {0, "\x89PNG"sv, "a damaged PNG"},
     {4, "ftypcrx "sv, "a camera's raw file"},
+    {4, "ftypmif3"sv, "a HEIF or AVIF with minimized properties (mif3)"},
     {4, "ftyp"sv, "a video"},
     {4, "JXL "sv, "JPEG XL"},
     {0, "\xff\x0a"sv, "JPEG XL"},

@@ -36,6 +36,7 @@ TEST(BodyKind, NamesTheKindOfAFile) {
         {"\0\0\0\x0c"
          "ftypheic"s,
          "a picture (HEIC)"},
+        {"....ftypmif3avif", "a HEIF or AVIF with minimized properties (mif3)"},
         {"....ftypmp42", "a video"},
         {"solid cube\nfacet", "a mesh (STL)"},
         {"v 0 0 0\n", "a mesh (OBJ)"},
