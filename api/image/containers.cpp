@@ -75,20 +75,56 @@ std::optional<Segment> jpeg_segment(std::string_view bytes, std::size_t at) {
     return Segment{marker, bytes.substr(at + 4, *length - 2), at, at + 2 + *length};
 }
 
+namespace {
+
+constexpr std::uint32_t kScan = 0xDA;  ///< marker of a JPEG
+
+/// Replaces unknown values in a JPEG, of which decoders only warn, by those that decoders assume: the version of JFIF,
+/// the transform of Adobe, and the spectral range of a sequential scan.
+/// @param head  the file up to the end of the first scan's header
+/// @returns     whether there were such values
+bool replace_unknown_values(std::string& head) {
+    using namespace std::string_view_literals;
+    bool is_changed = false;
+    const auto set = [&](std::size_t at, char value) {
+        is_changed = is_changed || head[at] != value;
+        head[at] = value;
+    };
+    bool is_sequential = false;
+    char channels = 0;
+    std::size_t transform = 0;
+    for (auto segment = jpeg_segment(head, kJpegSegments); segment; segment = jpeg_segment(head, segment->end)) {
+        const auto& [marker, data, begin, end] = *segment;
+        const std::size_t first = begin + 4;
+        if (marker == 0xE0 && data.size() > 5 && data.starts_with("JFIF\0"sv)) set(first + 5, 1);
+        if (marker == 0xEE && data.size() > 11 && data.starts_with("Adobe")) transform = first + 11;
+        const bool begins_sequence = marker == 0xC0 || marker == 0xC1 || marker == 0xC9;
+        is_sequential = is_sequential || begins_sequence;
+        if ((begins_sequence || marker == 0xC2 || marker == 0xCA) && data.size() > 5) channels = data[5];
+        if (marker != kScan || !is_sequential || data.size() < 3 || end > head.size()) continue;
+        set(end - 3, 0);
+        set(end - 2, 63);
+        set(end - 1, 0);
+    }
+    if (transform != 0 && head[transform] != 0 && channels >= 3) set(transform, static_cast<char>(channels - 2));
+    return is_changed;
+}
+
+}  // namespace
+
 std::string repair_jpeg(std::string_view bytes) {
     constexpr std::string_view kEnd = "\xff\xd9";
-    constexpr std::uint32_t kScan = 0xDA;
     std::string repaired(bytes.substr(0, kJpegSegments));
     std::size_t at = kJpegSegments;
     bool is_broken = !bytes.ends_with(kEnd);
     for (auto segment = jpeg_segment(bytes, at); segment; segment = jpeg_segment(bytes, at)) {
         is_broken = is_broken || segment->begin != at;
-        at = segment->begin;
-        if (segment->marker == kScan) break;
-        const std::string_view part = bytes.substr(at, segment->end - at);
+        const std::string_view part = bytes.substr(segment->begin, segment->end - segment->begin);
         repaired += part;
-        at += part.size();
+        at = segment->begin + part.size();
+        if (segment->marker == kScan) break;
     }
+    is_broken = replace_unknown_values(repaired) || is_broken;
     if (!is_broken) return {};
     repaired += bytes.substr(at);
     return repaired += kEnd;

@@ -66,8 +66,9 @@ struct Segment {
 /// Source: JPEG (ITU-T T.81), B.1.1.
 std::optional<Segment> jpeg_segment(std::string_view bytes, std::size_t at);
 
-/// Returns a copy of a JPEG file without bytes between the segments before its first scan, and with the marker of its
-/// end. Decoders only warn of such faults. Returns an empty string if the file has none of them.
+/// Returns a copy of a JPEG file without bytes between the segments before its first scan, with known values in these
+/// segments, and with the marker of its end. Decoders only warn of such faults. Returns an empty string if the file has
+/// none of them.
 std::string repair_jpeg(std::string_view bytes);
 
 /// Reads a directory of a TIFF file or EXIF block.

@@ -544,6 +544,43 @@ TEST(ImageCodec, ReadsJpegsWithBytesBetweenSegmentsOrWithoutEnd) {
     }
 }
 
+TEST(ImageCodec, IgnoresUnknownValuesInHeadersOfJpegs) {
+    using namespace std::string_literals;
+    const auto expect_equal = [](const std::string& changed, const std::string& file, const char* what) {
+        const auto picture = decode_image(changed, kMaxPixels), expected = decode_image(file, kMaxPixels);
+        ASSERT_TRUE(expected);
+        ASSERT_TRUE(picture) << what << ": " << picture.error().message;
+        EXPECT_EQ(picture->luminance, expected->luminance) << what;
+    };
+    const std::string adobe = "\xff\xee\0\x0e"s + "Adobe\0\x64\0\0\0\0"s;
+    for (const auto* name : {"grey.jpg", "progressive.jpg", "orientation-6.jpg", "p3.jpg"}) {
+        const std::string file = fixture(name);
+        std::string changed = file;
+        changed[file.find("JFIF") + 5] = 2;
+        expect_equal(changed, file, "version of JFIF");
+        for (const char transform : {'\2', '\5'}) {
+            const std::string start = file.substr(0, 2) + adobe + transform;
+            expect_equal(start + file.substr(2), file, "transform of Adobe, with JFIF");
+            expect_equal(start + file.substr(20), file, "transform of Adobe");
+        }
+    }
+    for (const auto* name : {"grey.jpg", "orientation-6.jpg", "p3.jpg", "inks.jpg", "cmyk.jpg"}) {
+        const std::string file = fixture(name);
+        const std::size_t scan = file.find("\xff\xda");
+        for (const auto& range : {"\0\0\0"s, "\1\x3f\0"s, "\0\x3f\x10"s}) {
+            std::string changed = file;
+            changed.replace(scan + 5 + 2 * static_cast<std::size_t>(file[scan + 4]), 3, range);
+            expect_equal(changed, file, "spectral range of a sequential scan");
+        }
+    }
+    for (const auto* name : {"inks.jpg", "cmyk.jpg"}) {
+        std::string file = fixture(name), changed = file;
+        file[file.find("Adobe") + 11] = 2;
+        changed[file.find("Adobe") + 11] = 1;
+        expect_equal(changed, file, "transform of Adobe, with four channels");
+    }
+}
+
 TEST(ImageCodec, RefusesGifFramesOutsideThePicture) {
     for (const std::size_t at : {28U, 30U, 32U, 34U}) {  // left, top, width, height
         std::string file = fixture("part.gif");
