@@ -61,15 +61,10 @@ bool read_frame(GifFileType& file, const ImageHeader& header, Frame& frame) {
     frame.place = file.Image;
     const auto& [left, top, width, height, interlaced, own_palette] = frame.place;
     const ColorMapObject* const palette = own_palette != nullptr ? own_palette : file.SColorMap;
-    // A picture in a frame beyond the screen is that frame.
-    if (width > file.SWidth || height > file.SHeight) {
-        file.SWidth = width;
-        file.SHeight = height;
-        frame.place.Left = frame.place.Top = 0;
-    }
-    const bool is_seen = width > 0 && height > 0 && left < file.SWidth && top < file.SHeight;
+    file.SWidth = std::max(file.SWidth, left + width);
+    file.SHeight = std::max(file.SHeight, top + height);
     const bool is_expected = std::cmp_equal(file.SWidth, header.width) && std::cmp_equal(file.SHeight, header.height);
-    if (!is_expected || !is_seen) return false;
+    if (!is_expected || width <= 0 || height <= 0) return false;
     if (palette != nullptr) std::copy_n(palette->Colors, palette->ColorCount, frame.palette.begin());
     return read_pixels(file, frame);
 }
@@ -105,8 +100,7 @@ void write_row(const Frame& frame, int y, int width, std::size_t channels, std::
     if (y < place.Top || y >= place.Top + place.Height) return;
     const auto row = static_cast<std::size_t>(y - place.Top) * static_cast<std::size_t>(place.Width);
     to += static_cast<std::size_t>(place.Left) * channels;
-    const auto seen = static_cast<std::size_t>(std::min(place.Width, width - place.Left));
-    for (std::size_t i = row; i < row + seen; ++i, to += channels) {
+    for (std::size_t i = row; i < row + static_cast<std::size_t>(place.Width); ++i, to += channels) {
         if (frame.pixels[i] == frame.transparent) continue;
         const auto& [red, green, blue] = frame.palette[frame.pixels[i]];
         to[0] = red;

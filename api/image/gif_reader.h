@@ -14,9 +14,9 @@ namespace ccdt::api {
 /// Needs one byte of memory per pixel.
 /// @param bytes   must outlive the row source
 /// @param header  result of read_image_header()
-/// If the frame is wider or higher than the screen, it is the picture. Otherwise, its parts beyond the screen are left
-/// out. Errors: Unusable for a broken or truncated file, for a file without a frame, and for a frame that lies beyond
-/// the screen. The empty block after the frame and all data after this block may be missing.
+/// If the frame ends beyond the screen, the picture is larger than the screen, as in Chromium and Pillow.
+/// Errors: Unusable for a broken or truncated file, and for a file without a frame. The empty block after the frame and
+/// all data after this block may be missing.
 /// Source: GIF89a (CompuServe, 1990).
 ///
 /// Why not OpenImageIO: version 2.4 needs four times the memory, reads wrong colours where the palette is too short,

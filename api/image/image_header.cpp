@@ -214,10 +214,9 @@ Result<ImageHeader> read_gif(std::string_view bytes) {
     ImageHeader header{ImageFormat::Gif, *width, *height, 0};
     std::size_t at = gif_blocks(bytes);
     if (const auto frame = next_gif_frame(bytes, at)) {
-        const auto frame_width = reader.read(*frame + 4, 2).value_or(0);
-        const auto frame_height = reader.read(*frame + 6, 2).value_or(0);
-        // Browsers then ignore the screen, and the place of the frame on it.
-        if (frame_width > *width || frame_height > *height) header = {header.format, frame_width, frame_height, 0};
+        const auto number = [&](std::size_t part) { return uint64_t{reader.read(*frame + part, 2).value_or(0)}; };
+        header.width = std::max(header.width, number(0) + number(4));  // viewers extend the screen
+        header.height = std::max(header.height, number(2) + number(6));
     }
     header.decoder_bytes = header.pixels();
     return header;

@@ -435,8 +435,11 @@ TEST(ImageCodec, ShowsGifFramesBeyondTheScreen) {
     grey[frame + 1] = 20;
     const auto part = decode_image(grey, kMaxPixels);
     ASSERT_TRUE(part) << part.error().message;
-    EXPECT_EQ(part->width, 24);
-    EXPECT_EQ(std::ranges::count(part->alpha, 1.0F), 4 * 16);
+    EXPECT_EQ(part->width, 44);
+    EXPECT_EQ(part->height, 16);
+    EXPECT_EQ(std::ranges::count(part->alpha, 1.0F), 24 * 16);
+    EXPECT_EQ(part->alpha[19], 0.0F);
+    EXPECT_EQ(part->alpha[20], 1.0F);
 }
 
 TEST(ImageCodec, ShowsGifsWithoutAPaletteInBlack) {
@@ -581,11 +584,13 @@ TEST(ImageCodec, IgnoresUnknownValuesInHeadersOfJpegs) {
     }
 }
 
-TEST(ImageCodec, RefusesGifFramesOutsideThePicture) {
-    for (const std::size_t at : {28U, 30U, 32U, 34U}) {  // left, top, width, height
-        std::string file = fixture("part.gif");
-        file[at] = 4;
-        EXPECT_EQ(decode_image(file, kMaxPixels).error().code, ErrorCode::Unusable) << at;
+TEST(ImageCodec, RefusesGifFramesOfTheWrongSize) {
+    for (const std::size_t at : {32U, 34U}) {  // width, height
+        for (const char size : {'\0', '\4'}) {
+            std::string file = fixture("part.gif");
+            file[at] = size;
+            EXPECT_EQ(decode_image(file, kMaxPixels).error().code, ErrorCode::Unusable) << at;
+        }
     }
 }
 
