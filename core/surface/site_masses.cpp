@@ -13,36 +13,97 @@ namespace ccdt {
 namespace {
 constexpr std::uint32_t kNone = SurfaceTriangulation::kNone;
 constexpr std::size_t kPieces = 4096;  ///< pieces per task
+
+/// Returns the barycentric coordinates of a point of a sequence that covers a triangle evenly, the additive recurrence
+/// of the plastic number. The centres of long thin triangles would not cover a surface that consists of them.
+std::array<double, 3> spread_point(std::size_t number) {
+    const auto wrapped = [](double value) { return value - std::floor(value); };
+    const auto i = static_cast<double>(number);
+    const double u = wrapped(0.7548776662466927 * i), v = wrapped(0.5698402909980532 * i);
+    if (u + v > 1) return {u + v - 1, 1 - u, 1 - v};
+    return {1 - u - v, u, v};
+}
 }  // namespace
 
+/// A triangle in a face.
+struct SiteMasses::Part {
+    std::uint32_t face;
+    std::array<std::array<double, 3>, 3> corners;  ///< barycentric coordinates
+    double area;
+    double mass;
+
+    SurfacePoint at(const std::array<double, 3>& weights) const {
+        SurfacePoint point{face, {0, 0, 0}};
+        for (std::size_t k = 0; k < 3; ++k) {
+            for (std::size_t i = 0; i < 3; ++i) point.weights[i] += weights[k] * corners[k][i];
+        }
+        return point;
+    }
+};
+
 SiteMasses::SiteMasses(const Surface& surface, const SurfaceDensity& density, double capacity) {
-    constexpr double kPiecesPerSite = 3;
-    constexpr double kMaxSide = 8192;  // pieces along the side of a face
     for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
         const double mass = density.mass(surface, f) / capacity;
         if (!(mass > 0)) continue;
         // In a face that follows a picture, the pieces are small enough where the density is highest.
-        const double most = density.side(f) > 1 ? density.largest(f) * surface.area(f) / capacity : mass;
-        const auto side =
-            static_cast<std::uint32_t>(std::clamp(std::ceil(std::sqrt(most * kPiecesPerSite)), 1.0, kMaxSide));
-        const double area = surface.area(f) / capacity / (static_cast<double>(side) * side);
-        // Every other row is reversed, so that successive pieces are close to each other.
-        std::size_t row = 0, begin = pieces_.size();
-        const auto reverse = [&] {
-            if (row % 2 == 1) std::reverse(pieces_.begin() + static_cast<std::ptrdiff_t>(begin), pieces_.end());
-        };
-        for_face_pieces(side, [&](const std::array<double, 3>& weights) {
-            const SurfacePoint at{f, weights};
-            if (const auto own = static_cast<std::size_t>(weights[2] * side); own != row) {
-                reverse();
-                row = own;
-                begin = pieces_.size();
-            }
-            const double piece = area * density.at(at);
-            if (piece > 0) pieces_.push_back({at, piece, kNone});
-        });
-        reverse();
+        const double area = surface.area(f);
+        const double most = density.side(f) > 1 ? density.largest(f) * area / capacity : mass;
+        divide(surface, density, capacity, {f, {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, area, most});
     }
+}
+
+/// Appends the pieces of a part. They are similar to the part. If they would be much longer than the spacing, the part
+/// is first divided across its longest edge. A part of little mass is not divided; its piece lies at any place in it.
+void SiteMasses::divide(const Surface& surface, const SurfaceDensity& density, double capacity, const Part& part) {
+    constexpr double kPiecesPerSite = 3;
+    constexpr double kMaxSide = 8192;       // pieces along the side of a part
+    constexpr double kLongest = 1.3;        // edge of a piece, in spacings
+    constexpr double kLeastMass = 1.0 / 8;  // of a part that is divided
+    const auto side =
+        static_cast<std::uint32_t>(std::clamp(std::ceil(std::sqrt(part.mass * kPiecesPerSite)), 1.0, kMaxSide));
+    std::array<double, 3> squares{};  // squared edges from each corner to the next one
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Point3 edge =
+            surface.place({part.face, part.corners[(k + 1) % 3]}) - surface.place({part.face, part.corners[k]});
+        squares[k] = dot(edge, edge);
+    }
+    const auto longest = static_cast<std::size_t>(std::ranges::max_element(squares) - squares.begin());
+    const double limit = kLongest * side;
+    const bool is_long = squares[longest] * part.mass > limit * limit * part.area;
+    if (is_long && part.mass > kLeastMass) {
+        const std::size_t a = longest, b = (longest + 1) % 3;
+        std::array<double, 3> middle{};
+        for (std::size_t i = 0; i < 3; ++i) middle[i] = (part.corners[a][i] + part.corners[b][i]) / 2;
+        for (const std::size_t moved : {b, a}) {
+            Part half = part;
+            half.corners[moved] = middle;
+            half.area /= 2;
+            half.mass /= 2;
+            divide(surface, density, capacity, half);
+        }
+        return;
+    }
+    const double area = part.area / capacity / (static_cast<double>(side) * side);
+    const auto add = [&](const std::array<double, 3>& weights) {
+        const SurfacePoint at = part.at(weights);
+        const double piece = area * density.at(at);
+        if (piece > 0) pieces_.push_back({at, piece, kNone});
+    };
+    if (is_long) return add(spread_point(pieces_.size()));
+    // Every other row is reversed, so that successive pieces are close to each other.
+    std::size_t row = 0, begin = pieces_.size();
+    const auto reverse = [&] {
+        if (row % 2 == 1) std::reverse(pieces_.begin() + static_cast<std::ptrdiff_t>(begin), pieces_.end());
+    };
+    for_face_pieces(side, [&](const std::array<double, 3>& weights) {
+        if (const auto own = static_cast<std::size_t>(weights[2] * side); own != row) {
+            reverse();
+            row = own;
+            begin = pieces_.size();
+        }
+        add(weights);
+    });
+    reverse();
 }
 
 /// Returns a triangle for each face at which a search can begin: a triangle at the innermost site on the nearest face

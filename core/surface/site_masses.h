@@ -21,7 +21,8 @@ namespace ccdt {
 /// the same triangle, if there are any. The areas of the triangles are no substitute, because triangles cut off bends.
 class SiteMasses {
 public:
-    /// @param capacity  mass that belongs to each site; the pieces of a face have at most a third of it on average
+    /// @param capacity  mass that belongs to each site; the pieces of a face have at most a third of it on average, and
+    ///                  are hardly longer than the spacing unless their mass is small
     /// O(faces + sites).
     SiteMasses(const Surface& surface, const SurfaceDensity& density, double capacity);
 
@@ -41,6 +42,8 @@ private:
         std::uint32_t triangle = SurfaceTriangulation::kNone;  ///< kNone in a component without sites
     };
 
+    struct Part;
+
     /// A triangle as seen from a piece: its corners beyond sharp edges are unfolded.
     struct View {
         std::array<double, 3> shares{-1, -1, -1};  ///< barycentric coordinates of the piece, up to a factor
@@ -50,6 +53,7 @@ private:
         double least() const { return std::min({shares[0], shares[1], shares[2]}); }
     };
 
+    void divide(const Surface& surface, const SurfaceDensity& density, double capacity, const Part& part);
     static std::vector<std::uint32_t> first_triangles(const SurfaceTriangulation& mesh);
     static View view(const SurfaceTriangulation& mesh, const SurfacePoint& at, Point3 place, std::uint32_t triangle);
     static View locate(const SurfaceTriangulation& mesh, Piece& piece);

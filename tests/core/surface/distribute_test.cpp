@@ -188,6 +188,22 @@ TEST(DistributeOnSurface, GivesTheFacesOfNeedlesAndPlatesTheirShares) {
     }
 }
 
+TEST(DistributeOnSurface, SpreadsSitesEvenlyOverLongThinFaces) {
+    // A tube of needles: each quarter of its length has a quarter of the sites.
+    for (const int sides : {40, 400, 4000}) {
+        SCOPED_TRACE(sides);
+        const Surface surface = surface_of(test::grid_surface(sides, 1, [](double u, double v) {
+            const double angle = u < 1 ? 2 * std::numbers::pi * u : 0;
+            return Point3{std::cos(angle), std::sin(angle), 8 * v};
+        }));
+        const auto dots = distributed(surface, {.sites = 2000});
+        EXPECT_LT(dots.variation(), 0.1);
+        std::array<double, 4> counts{};
+        for (const Point3& p : places(surface, dots)) ++counts[static_cast<std::size_t>(std::min(4 * p.z, 3.0))];
+        for (const double count : counts) EXPECT_NEAR(count, 500, 15);
+    }
+}
+
 TEST(DistributeOnSurface, SeparatesSitesInSpaceAcrossSharpEdges) {
     for (const TriangleSoup& soup : {tetrahedron_surface(), bipyramid_surface(3, 1)}) {
         const Surface surface = surface_of(soup);
