@@ -56,11 +56,11 @@ SiteMasses::SiteMasses(const Surface& surface, const SurfaceDensity& density, do
 /// is first divided across its longest edge. A part of little mass is not divided; its piece lies at any place in it.
 void SiteMasses::divide(const Surface& surface, const SurfaceDensity& density, double capacity, const Part& part) {
     constexpr double kPiecesPerSite = 3;
-    constexpr double kMaxSide = 8192;       // pieces along the side of a part
-    constexpr double kLongest = 1.3;        // edge of a piece, in spacings
-    constexpr double kLeastMass = 1.0 / 8;  // of a part that is divided
+    constexpr std::uint32_t kMaxSide = 8192;  // pieces along the side of a part
+    constexpr double kLongest = 1.3;          // edge of a piece, in spacings
+    constexpr double kLeastMass = 1.0 / 8;    // of a part that is divided
     const auto side =
-        static_cast<std::uint32_t>(std::clamp(std::ceil(std::sqrt(part.mass * kPiecesPerSite)), 1.0, kMaxSide));
+        static_cast<std::uint32_t>(std::clamp(std::ceil(std::sqrt(part.mass * kPiecesPerSite)), 1.0, double{kMaxSide}));
     std::array<double, 3> squares{};  // squared edges from each corner to the next one
     for (std::size_t k = 0; k < 3; ++k) {
         const Point3 edge =
@@ -69,7 +69,8 @@ void SiteMasses::divide(const Surface& surface, const SurfaceDensity& density, d
     }
     const auto longest = static_cast<std::size_t>(std::ranges::max_element(squares) - squares.begin());
     const double limit = kLongest * side;
-    const bool is_long = squares[longest] * part.mass > limit * limit * part.area;
+    // Where the number of pieces is limited, a part is not divided further.
+    const bool is_long = side < kMaxSide && squares[longest] * part.mass > limit * limit * part.area;
     if (is_long && part.mass > kLeastMass) {
         const std::size_t a = longest, b = (longest + 1) % 3;
         std::array<double, 3> middle{};
