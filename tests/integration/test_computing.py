@@ -268,6 +268,7 @@ class Kills(unittest.TestCase):
             wait_until(lambda: figure(server, "ccdt_worker_restarts_total") == 1)
             for process in orphans:
                 os.kill(process, signal.SIGKILL)
+            wait_until(lambda: ask(server, "/health/ready").status == 200)
             wait_until(lambda: children(fork_server(server)))
             running.abandon()
             wait_until(lambda: figure(server, "ccdt_workers_busy") == 0)
