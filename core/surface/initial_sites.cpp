@@ -33,9 +33,6 @@ public:
     /// Appends `count` points in a face.
     void draw(std::uint32_t face, std::size_t count, std::vector<SurfacePoint>& points) const {
         if (count == 0) return;
-        // The additive recurrence of the plastic number: Roberts 2018, "The unreasonable effectiveness of
-        // quasirandom sequences".
-        constexpr double kFirst = 0.7548776662466927, kSecond = 0.5698402909980532;
         constexpr int kAttempts = 64;  // per point, on average; after them, the density is ignored
         Random random(seed_, std::uint64_t{1} << 32 | face);
         if (density_.side(face) > 1) return draw_in_pieces(face, count, random, points);
@@ -43,10 +40,9 @@ public:
         const double highest = density_.largest(face);
         std::size_t attempts = kAttempts * count;
         for (std::size_t drawn = 0; drawn < count;) {
-            u = wrap(u + kFirst);
-            v = wrap(v + kSecond);
-            SurfacePoint point{face, {1 - u - v, u, v}};
-            if (u + v > 1) point.weights = {u + v - 1, 1 - u, 1 - v};
+            u = wrap(u + kFirstStep);
+            v = wrap(v + kSecondStep);
+            const SurfacePoint point{face, place_in_triangle(u, v)};
             if (attempts > 0 && !density_.is_uniform()) {
                 --attempts;
                 if (random.uniform() * highest > density_.at(point)) continue;

@@ -14,14 +14,12 @@ namespace {
 constexpr std::uint32_t kNone = SurfaceTriangulation::kNone;
 constexpr std::size_t kPieces = 4096;  ///< pieces per task
 
-/// Returns the barycentric coordinates of a point of a sequence that covers a triangle evenly, the additive recurrence
-/// of the plastic number. The centres of long thin triangles would not cover a surface that consists of them.
+/// Returns the barycentric coordinates of a point of a sequence that covers a triangle evenly. The centres of long thin
+/// triangles would not cover a surface that consists of them.
 std::array<double, 3> spread_point(std::size_t number) {
-    const auto wrapped = [](double value) { return value - std::floor(value); };
     const auto i = static_cast<double>(number);
-    const double u = wrapped(0.7548776662466927 * i), v = wrapped(0.5698402909980532 * i);
-    if (u + v > 1) return {u + v - 1, 1 - u, 1 - v};
-    return {1 - u - v, u, v};
+    const double u = kFirstStep * i, v = kSecondStep * i;
+    return place_in_triangle(u - std::floor(u), v - std::floor(v));
 }
 }  // namespace
 
