@@ -83,11 +83,11 @@ ColourTags read_png(std::string_view bytes) {
 /// Joins the parts of the ICC profile in a JPEG. A profile may be split into several segments. Each of these segments
 /// contains its number, from 1 on, and the total number of segments.
 std::string read_jpeg(std::string_view bytes) {
-    constexpr std::uint32_t kApp2 = 0xE2, kScan = 0xDA;
+    constexpr std::uint32_t kApp2 = 0xE2;
     std::vector<std::string_view> parts;
     std::size_t missing = 0;
     std::size_t at = kJpegSegments;
-    for (auto segment = jpeg_segment(bytes, at); segment && segment->marker != kScan;
+    for (auto segment = jpeg_segment(bytes, at); segment && segment->marker != kJpegScan;
          segment = jpeg_segment(bytes, segment->end)) {
         std::string_view data = segment->data;
         if (segment->marker != kApp2 || !data.starts_with(kJpegMark) || data.size() <= kJpegMark.size() + 2) continue;

@@ -77,8 +77,6 @@ std::optional<Segment> jpeg_segment(std::string_view bytes, std::size_t at) {
 
 namespace {
 
-constexpr std::uint32_t kScan = 0xDA;  ///< marker of a JPEG
-
 /// Replaces unknown values in a JPEG, of which decoders only warn, by those that decoders assume: the version of JFIF,
 /// the transform of Adobe, and the spectral range of a sequential scan.
 /// @param head  the file up to the end of the first scan's header
@@ -98,10 +96,10 @@ bool replace_unknown_values(std::string& head) {
         const std::size_t first = begin + 4;
         if (marker == 0xE0 && data.size() > 5 && data.starts_with("JFIF\0"sv)) set(first + 5, 1);
         if (marker == 0xEE && data.size() > 11 && data.starts_with("Adobe")) transform = first + 11;
-        const bool begins_sequence = marker == 0xC0 || marker == 0xC1 || marker == 0xC9;
-        is_sequential = is_sequential || begins_sequence;
-        if ((begins_sequence || marker == 0xC2 || marker == 0xCA) && data.size() > 5) channels = data[5];
-        if (marker != kScan || !is_sequential || data.size() < 3 || end > head.size()) continue;
+        const bool is_sequential_frame = marker == 0xC0 || marker == 0xC1 || marker == 0xC9;
+        is_sequential = is_sequential || is_sequential_frame;
+        if ((is_sequential_frame || marker == 0xC2 || marker == 0xCA) && data.size() > 5) channels = data[5];
+        if (marker != kJpegScan || !is_sequential || data.size() < 3 || end > head.size()) continue;
         set(end - 3, 0);
         set(end - 2, 63);
         set(end - 1, 0);
@@ -122,7 +120,7 @@ std::string repair_jpeg(std::string_view bytes) {
         const std::string_view part = bytes.substr(segment->begin, segment->end - segment->begin);
         repaired += part;
         at = segment->begin + part.size();
-        if (segment->marker == kScan) break;
+        if (segment->marker == kJpegScan) break;
     }
     is_broken = replace_unknown_values(repaired) || is_broken;
     if (!is_broken) return {};

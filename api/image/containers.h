@@ -31,9 +31,10 @@ struct Chunk {
     std::size_t end = 0;    ///< offset of the next chunk
 };
 
-inline constexpr std::size_t kPngChunks = 8;     ///< offset of the first chunk of a PNG file
-inline constexpr std::size_t kRiffChunks = 12;   ///< offset of the first chunk of a WebP file
-inline constexpr std::size_t kJpegSegments = 2;  ///< offset of the first segment of a JPEG file
+inline constexpr std::size_t kPngChunks = 8;      ///< offset of the first chunk of a PNG file
+inline constexpr std::size_t kRiffChunks = 12;    ///< offset of the first chunk of a WebP file
+inline constexpr std::size_t kJpegSegments = 2;   ///< offset of the first segment of a JPEG file
+inline constexpr std::uint32_t kJpegScan = 0xDA;  ///< marker of the header of a scan in a JPEG file
 
 /// Returns the chunk of a PNG file at an offset; none if the file ends before the chunk does.
 /// Source: PNG (ISO/IEC 15948), 5.3.

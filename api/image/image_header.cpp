@@ -50,7 +50,7 @@ Result<ImageHeader> read_png(std::string_view bytes) {
     return header;
 }
 
-constexpr std::uint32_t kJpegEnd = 0xD9, kJpegScan = 0xDA;
+constexpr std::uint32_t kJpegEnd = 0xD9;
 
 /// Maximum number of scans of a JPEG. A scan of a few bytes may cost a pass over the picture. Encoders write about ten.
 constexpr int kMaxScans = 100;
