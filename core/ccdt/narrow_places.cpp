@@ -114,7 +114,7 @@ public:
             for (std::size_t site = 0; site < sites; ++site) {
                 centres[site] = held[site] > 0 ? 1 / held[site] * centres[site] : pieces_[at[site]].centre;
             }
-            move_to(centres, owner, at);
+            if (!move_to(centres, owner, at)) break;
         }
         for (std::size_t site = 0; site < sites; ++site) {
             if (!pieces_[at[site]].contains(centres[site])) centres[site] = pieces_[at[site]].centre;
@@ -162,8 +162,10 @@ private:
     }
 
     /// Moves each site to its piece that is nearest to a place.
-    void move_to(std::span<const Point> places, const std::vector<std::uint32_t>& owner,
+    /// @returns  whether any site moved
+    bool move_to(std::span<const Point> places, const std::vector<std::uint32_t>& owner,
                  std::vector<std::uint32_t>& at) const {
+        const std::vector<std::uint32_t> before = at;
         std::vector<double> least(at.size(), std::numeric_limits<double>::infinity());
         for (const std::uint32_t piece : walk_) {
             const std::uint32_t site = owner[piece];
@@ -173,6 +175,7 @@ private:
             least[site] = squared;
             at[site] = piece;
         }
+        return at != before;
     }
 
     const std::vector<Piece>& pieces_;

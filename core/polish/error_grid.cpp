@@ -13,11 +13,13 @@ namespace {
 
 constexpr int kDegree = 3;
 constexpr std::size_t kTaps = kDegree + 1;
-constexpr double kMaxCells =
-    64;  ///< limit on cells per site; needed because a domain may fill very little of its bounding box
+/// Limit on the box's grid points per site. Needed because a domain may fill very little of its bounding box, and
+/// because a box may be much longer than wide: each row and column has at least kTaps points.
+constexpr double kMaxPoints = 64;
 
 double cell_side(Point sides, double cell, std::size_t sites) {
-    return std::max(cell, std::sqrt(sides.x * sides.y / (kMaxCells * static_cast<double>(sites))));
+    const double most = kMaxPoints * static_cast<double>(sites);
+    return std::max({cell, std::sqrt(sides.x * sides.y / most), std::max(sides.x, sides.y) * kTaps / most});
 }
 
 std::size_t cells(double side, double cell) {

@@ -19,7 +19,7 @@ namespace ccdt {
 class ErrorGrid {
 public:
     /// @param sides    size of the box that contains areas and sites; the box's lower left corner is the origin
-    /// @param cell     side of the grid's cells; enlarged if there would be more than 64 cells per site
+    /// @param cell     side of the grid's cells; enlarged if the box would have more than 64 points per site
     /// @param border   border of the areas, which together want `sites` sites
     /// @param density  wanted density of sites, stretched over the box
     ///

@@ -28,7 +28,8 @@ struct SiteMasses::Part {
     std::uint32_t face;
     std::array<std::array<double, 3>, 3> corners;  ///< barycentric coordinates
     double area;
-    double mass;
+    double mass;       ///< upper bound, in sites
+    double cells = 0;  ///< pieces of the density in it, if it is much denser in some than in others
 
     SurfacePoint at(const std::array<double, 3>& weights) const {
         SurfacePoint point{face, {0, 0, 0}};
@@ -43,20 +44,26 @@ SiteMasses::SiteMasses(const Surface& surface, const SurfaceDensity& density, do
     for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
         const double mass = density.mass(surface, f) / capacity;
         if (!(mass > 0)) continue;
-        // In a face that follows a picture, the pieces are small enough where the density is highest.
-        const double area = surface.area(f);
-        const double most = density.side(f) > 1 ? density.largest(f) * area / capacity : mass;
-        divide(surface, density, capacity, {f, {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, area, most});
+        // In a face that follows a picture, the pieces are small enough where the density is highest. If it is high in
+        // a small part of the face only, pieces of this size in the whole face would be too many.
+        constexpr double kUneven = 8;
+        const double area = surface.area(f), side = density.side(f);
+        const double most = side > 1 ? density.largest(f) * area / capacity : mass;
+        const double cells = most > kUneven * mass ? side * side : 0;
+        divide(surface, density, capacity, {f, {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, area, most, cells});
     }
 }
 
-/// Appends the pieces of a part. They are similar to the part. If they would be much longer than the spacing, the part
-/// is first divided across its longest edge. A part of little mass is not divided; its piece lies at any place in it.
+/// Appends the pieces of a part. They are similar to the part. If they would be much longer than the spacing, or if the
+/// density is uneven, the part is first divided across its longest edge. A long part of little mass is not divided; its
+/// piece lies at any place in it.
 void SiteMasses::divide(const Surface& surface, const SurfaceDensity& density, double capacity, const Part& part) {
     constexpr double kPiecesPerSite = 3;
     constexpr std::uint32_t kMaxSide = 8192;  // pieces along the side of a part
     constexpr double kLongest = 1.3;          // edge of a piece, in spacings
     constexpr double kLeastMass = 1.0 / 8;    // of a part that is divided
+    constexpr std::uint32_t kCoarse = 4;      // pieces along the side of a part of uneven density
+    if (!(part.mass > 0)) return;
     const auto side =
         static_cast<std::uint32_t>(std::clamp(std::ceil(std::sqrt(part.mass * kPiecesPerSite)), 1.0, double{kMaxSide}));
     std::array<double, 3> squares{};  // squared edges from each corner to the next one
@@ -69,7 +76,8 @@ void SiteMasses::divide(const Surface& surface, const SurfaceDensity& density, d
     const double limit = kLongest * side;
     // Where the number of pieces is limited, a part is not divided further.
     const bool is_long = side < kMaxSide && squares[longest] * part.mass > limit * limit * part.area;
-    if (is_long && part.mass > kLeastMass) {
+    const bool is_uneven = part.cells > 1 && side > kCoarse;
+    if (is_uneven || (is_long && part.mass > kLeastMass)) {
         const std::size_t a = longest, b = (longest + 1) % 3;
         std::array<double, 3> middle{};
         for (std::size_t i = 0; i < 3; ++i) middle[i] = (part.corners[a][i] + part.corners[b][i]) / 2;
@@ -77,7 +85,9 @@ void SiteMasses::divide(const Surface& surface, const SurfaceDensity& density, d
             Part half = part;
             half.corners[moved] = middle;
             half.area /= 2;
-            half.mass /= 2;
+            half.cells /= 2;
+            half.mass =
+                part.cells > 1 ? density.largest(part.face, half.corners) * half.area / capacity : part.mass / 2;
             divide(surface, density, capacity, half);
         }
         return;

@@ -113,6 +113,9 @@ struct InPiece {
     std::array<std::size_t, 3> corners;
     std::array<double, 3> weights;
 
+    /// Index of the corner at (i / n, j / n) in the second and third barycentric coordinates.
+    static std::size_t corner(std::size_t n, std::size_t i, std::size_t j) { return j * (2 * n + 3 - j) / 2 + i; }
+
     InPiece(std::uint32_t side, const std::array<double, 3>& at) {
         const std::size_t n = side;
         const auto whole = [](double value, std::size_t most) {
@@ -121,9 +124,9 @@ struct InPiece {
         const double along = at[1] * side, across = at[2] * side;
         const std::size_t i = whole(along, n - 1), j = whole(across, n - 1 - i);
         const double u = along - static_cast<double>(i), v = across - static_cast<double>(j);
-        const std::size_t corner = j * (2 * n + 3 - j) / 2 + i, above = corner + n + 1 - j;
+        const std::size_t own = corner(n, i, j), above = corner(n, i, j + 1);
         const bool is_upside_down = u + v > 1 && i + j + 1 < n;
-        corners = {is_upside_down ? above + 1 : corner, corner + 1, above};
+        corners = {is_upside_down ? above + 1 : own, own + 1, above};
         weights = is_upside_down ? std::array{u + v - 1, 1 - v, 1 - u} : std::array{1 - u - v, u, v};
     }
 };
@@ -186,6 +189,24 @@ double SurfaceDensity::largest(std::uint32_t face) const {
     const auto [first, side, mean] = grid(face);
     const std::size_t count = (std::size_t{side} + 1) * (side + 2) / 2;
     return *std::max_element(&values_[first], &values_[first] + count);
+}
+
+double SurfaceDensity::largest(std::uint32_t face, const std::array<std::array<double, 3>, 3>& corners) const {
+    if (values_.empty()) return 1;
+    const auto [first, side, mean] = grid(face);
+    std::array<std::size_t, 3> least, most;  // coordinates of the corners of pieces
+    for (std::size_t k = 0; k < 3; ++k) {
+        const auto [low, high] = std::minmax({corners[0][k], corners[1][k], corners[2][k]});
+        least[k] = static_cast<std::size_t>(std::max(0.0, std::floor(low * side)));
+        most[k] = static_cast<std::size_t>(std::clamp(std::ceil(high * side), 0.0, static_cast<double>(side)));
+    }
+    double value = 0;
+    for (std::size_t j = least[2]; j <= most[2]; ++j) {
+        for (std::size_t i = least[1]; i <= most[1] && i + j + least[0] <= side; ++i) {
+            if (i + j + most[0] >= side) value = std::max(value, values_[first + InPiece::corner(side, i, j)]);
+        }
+    }
+    return value;
 }
 
 Result<SurfaceDensity> SurfaceDensity::of_vertices(const Surface& surface, const TriangleSoup& soup,

@@ -56,6 +56,10 @@ public:
     double at_corner(std::uint32_t face, std::uint32_t corner) const { return at(SurfacePoint::corner(face, corner)); }
     /// Largest value in a face.
     double largest(std::uint32_t face) const;
+    /// Returns an upper bound for the density in a triangle within a face: its largest value in the pieces nearby.
+    /// @param corners  barycentric coordinates
+    /// O(pieces of the face in the triangle).
+    double largest(std::uint32_t face, const std::array<std::array<double, 3>, 3>& corners) const;
     /// Integral over a face.
     double mass(const Surface& surface, std::uint32_t face) const {
         if (values_.empty()) return surface.area(face);

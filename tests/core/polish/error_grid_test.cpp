@@ -77,5 +77,17 @@ TEST(ErrorGrid, StaysSmallInALargeBox) {
     for (std::size_t i = 100; i < 900; ++i) EXPECT_NEAR(grid.at(sites[i]), 0, 1e-2) << i;
 }
 
+/// Each column has some points even where the box is far narrower than a cell, so the grid must not grow with length.
+TEST(ErrorGrid, StaysSmallInALongBox) {
+    const Point sides{1, 1e-15};
+    const Point a{0, 0}, b{1, 0}, c{1, 1e-15}, d{0, 1e-15};
+    const std::vector<BorderEdge> line{{a, b}, {b, c}, {c, d}, {d, a}};
+    ErrorGrid grid(sides, 1e-12, 1000, line, Density::uniform());
+    std::vector<Point> sites;  // 16 times as many as wanted, one per cell
+    for (int i = 0; i < 16000; ++i) sites.push_back({(i + 0.5) / 16000, 5e-16});
+    grid.measure(sites);
+    for (std::size_t i = 100; i < 15900; ++i) EXPECT_NEAR(grid.at(sites[i]), 1 - 1.0 / 16, 1e-2) << i;
+}
+
 }  // namespace
 }  // namespace ccdt
