@@ -201,34 +201,65 @@ std::optional<ColourConversion> read_profile(const Context& context, const Handl
 
 constexpr std::uint8_t kPq = 16, kHlg = 18;  ///< code numbers of ITU-T H.273
 
+/// Creates the curve of a transfer function; null: not supported.
+Curve make_transfer_curve(const Context& context, std::uint8_t code) {
+    constexpr int kPowerWithFoot = 4;
+    // The inverse of SMPTE 240M, and digital cinema (SMPTE 428), whose white of 48 cd/m2 is below the largest value.
+    constexpr std::array<double, 5> k240 = {1 / 0.45, 1 / 1.1115, 0.1115 / 1.1115, 0.25, 0.0913};
+    const std::array<double, 5> cinema = {2.6, std::pow(52.37 / 48, 1 / 2.6), 0, 0, 0};
+    switch (code) {
+        case 4:
+            return make_power(context, 2.2);
+        case 5:
+            return make_power(context, 2.8);
+        case 7:
+            return {cmsBuildParametricToneCurve(context.get(), kPowerWithFoot, k240.data()), cmsFreeToneCurve};
+        case 8:
+            return make_power(context, 1);
+        case 17:
+            return {cmsBuildParametricToneCurve(context.get(), kPowerWithFoot, cinema.data()), cmsFreeToneCurve};
+        case 1:  // BT.709, BT.601, BT.2020 and xvYCC describe cameras; their values are taken as those of sRGB
+        case 6:
+        case 11:
+        case 12:
+        case 13:
+        case 14:
+        case 15:
+        case kPq:
+        case kHlg:
+            return make_srgb_curve(context);
+        default:
+            return {nullptr, cmsFreeToneCurve};
+    }
+}
+
 /// Creates the profile that code points describe; for high dynamic range, a profile with the primaries alone. Returns
 /// null for unsupported code points.
 Handle make_profile(const Context& context, const ColourTags::CodePoints& code) {
-    const auto curve = [&]() -> Curve {
-        switch (code.transfer) {
-            case 4:
-                return make_power(context, 2.2);
-            case 8:
-                return make_power(context, 1);
-            case 1:  // BT.709, BT.601 and BT.2020 describe cameras; browsers show their values as those of sRGB
-            case 6:
-            case 13:
-            case 14:
-            case 15:
-            case kPq:
-            case kHlg:
-                return make_srgb_curve(context);
-            default:
-                return {nullptr, cmsFreeToneCurve};
-        }
-    }();
+    constexpr cmsCIExyY kC{0.310, 0.316, 1}, kCinema{0.314, 0.351, 1};
+    const auto make = [&](const cmsCIExyY& white, const cmsCIExyYTRIPLE& primaries) {
+        return make_rgb(context, white, primaries, make_transfer_curve(context, code.transfer));
+    };
     switch (code.primaries) {
         case 1:
-            return make_rgb(context, kD65, kSrgb, curve);
+            return make(kD65, kSrgb);
+        case 4:  // BT.470, system M
+            return make(kC, {{0.67, 0.33, 1}, {0.21, 0.71, 1}, {0.14, 0.08, 1}});
+        case 5:  // BT.601 with 625 lines
+            return make(kD65, {{0.64, 0.33, 1}, {0.29, 0.60, 1}, {0.15, 0.06, 1}});
+        case 6:  // BT.601 with 525 lines, SMPTE 240M
+        case 7:
+            return make(kD65, {{0.630, 0.340, 1}, {0.310, 0.595, 1}, {0.155, 0.070, 1}});
+        case 8:  // film
+            return make(kC, {{0.681, 0.319, 1}, {0.243, 0.692, 1}, {0.145, 0.049, 1}});
         case 9:
-            return make_rgb(context, kD65, kBt2020, curve);
+            return make(kD65, kBt2020);
+        case 11:  // digital cinema
+            return make(kCinema, kDisplayP3);
         case 12:
-            return make_rgb(context, kD65, kDisplayP3, curve);
+            return make(kD65, kDisplayP3);
+        case 22:  // EBU 3213
+            return make(kD65, {{0.630, 0.340, 1}, {0.295, 0.605, 1}, {0.155, 0.077, 1}});
         default:
             return nullptr;
     }

@@ -413,6 +413,18 @@ Result<PictureOf<AnyDraft>> read_samples(const RowSource& source, const Encoding
     return read_pixels<AnyDraft, Sample>(source, encoding, make_plane);
 }
 
+/// Returns the same source, which reports the share of its rows that are read.
+RowSource with_progress(const RowSource& source, const std::function<void(double)>& progress) {
+    RowSource observed = source;
+    if (!progress) return observed;
+    observed.read = [read = source.read, height = source.height, &progress](int begin, int end, void* rows) {
+        const bool is_read = read(begin, end, rows);
+        if (is_read && end < height) progress(static_cast<double>(end) / height);
+        return is_read;
+    };
+    return observed;
+}
+
 template <class AnyPicture>
 using DraftOf = std::conditional_t<std::is_same_v<AnyPicture, Picture>, GreyDraft, ColourDraft>;
 
@@ -426,16 +438,17 @@ template <class AnyPicture>
 Result<AnyPicture> read_picture(const RowSource& source, const ColourConversion* conversion, const Reading& reading,
                                 const NewPlane& make_plane) {
     using AnyDraft = DraftOf<AnyPicture>;
+    const RowSource observed = with_progress(source, reading.progress);
     const Encoding encoding = encoding_of(source, conversion, reading.ground);
     switch (source.sample) {
         case RowSource::Sample::Byte:
-            return read_samples<AnyDraft, std::uint8_t>(source, encoding, reading.reduce, make_plane);
+            return read_samples<AnyDraft, std::uint8_t>(observed, encoding, reading.reduce, make_plane);
         case RowSource::Sample::Word:
-            return read_samples<AnyDraft, std::uint16_t>(source, encoding, reading.reduce, make_plane);
+            return read_samples<AnyDraft, std::uint16_t>(observed, encoding, reading.reduce, make_plane);
         case RowSource::Sample::Float:
             break;
     }
-    return read_samples<AnyDraft, float>(source, encoding, reading.reduce, make_plane);
+    return read_samples<AnyDraft, float>(observed, encoding, reading.reduce, make_plane);
 }
 
 template Result<Picture> read_picture(const RowSource&, const ColourConversion*, const Reading&, const NewPlane&);

@@ -35,6 +35,8 @@ struct Reading {
     /// Ground on which partly transparent pixels are shown by displayed_light(); they become opaque. Pixels with an
     /// alpha of 0 stay transparent. None: alpha and colours are read as they are stored.
     std::optional<Light> ground = {};
+    /// Receives the share of the rows that are read, in (0, 1), after each group of rows but the last; may be empty.
+    std::function<void(double)> progress = {};
 };
 
 /// Allocates a plane in the memory of this process.
@@ -44,7 +46,7 @@ std::shared_ptr<float[]> new_plane(std::size_t size);
 ///
 /// @tparam AnyPicture  Picture or ColourPicture
 /// @param conversion   gives the curves and the matrix; null: those of the source
-/// @param reading      `reduce` and `ground` are used
+/// @param reading      `reduce`, `ground` and `progress` are used
 /// Errors: Unusable if the source cannot be read to its end.
 template <class AnyPicture>
 Result<AnyPicture> read_picture(const RowSource& source, const ColourConversion* conversion, const Reading& reading,

@@ -46,10 +46,14 @@ struct Progress {
     double variation = 0;  ///< capacity variation after the last completed iteration
     int round = 0;         ///< rounds of the polish completed
     int rounds = 0;        ///< number of rounds of the polish
+    double before = 0;     ///< share of the work that precedes the start, such as decoding; in [0, 1)
+    bool begun = true;     ///< whether the start is completed; otherwise, `before` is only the share completed so far
 
     /// Returns the completed share of the work, in (0, 1) and never decreasing. The share is an estimate: the start
     /// counts as two steps, the end as one, and each iteration and each round as one.
-    double done() const { return (2.0 + iteration + round) / (3.0 + iterations + rounds); }
+    double done() const {
+        return begun ? before + (1 - before) * (2.0 + iteration + round) / (3.0 + iterations + rounds) : before;
+    }
 };
 
 /// Lets a caller stop, observe and parallelise a computation.

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <functional>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -75,14 +76,20 @@ tl::expected<Outcome, NoReply> next_report(const UniqueFd& outcome, Clock::time_
 /// @param to_begin  time within which a child must begin
 /// @param to_end    time within which the child must end after it has begun
 /// @param used_us   is increased by the processor time of the child, in microseconds
+/// @param progress  receives the share of the file that is decoded, in (0, 1]
 /// @returns         none if the child has written its reply
 std::optional<NoReply> wait_for(const UniqueFd& outcome, Clock::duration to_begin, Clock::duration to_end,
-                                const std::stop_token& stop, std::atomic<std::int64_t>& used_us) {
+                                const std::stop_token& stop, std::atomic<std::int64_t>& used_us,
+                                const std::function<void(double)>& progress) {
     const std::stop_callback wake(stop, CloseBothWays{outcome.get()});
     auto report = next_report(outcome, Clock::now() + to_begin, stop);
     if (report && report->begun != 0) {
         const auto begun = Clock::now();
-        report = next_report(outcome, begun + to_end, stop);
+        int reports = 0;
+        for (double decoded = 0; report && report->begun != 0 && ++reports <= Outcome::kMaxBegun;) {
+            if (progress && report->decoded > decoded && report->decoded <= 1) progress(decoded = report->decoded);
+            report = next_report(outcome, begun + to_end, stop);
+        }
         // The child has one thread, and may be under the control of an attacker.
         const auto elapsed = std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - begun).count();
         used_us += report ? std::clamp<std::int64_t>(report->used_us, 0, elapsed) : elapsed;
@@ -92,7 +99,7 @@ std::optional<NoReply> wait_for(const UniqueFd& outcome, Clock::duration to_begi
     if (report->no_helper != 0) return NoReply{NoReply::Reason::NoHelper};
     if (report->too_slow != 0) return NoReply{NoReply::Reason::TooSlow};
     if (report->killed != 0) return NoReply{NoReply::Reason::Killed};
-    if (report->ended != 0) return NoReply{NoReply::Reason::Died};
+    if (report->ended != 0 || report->begun != 0) return NoReply{NoReply::Reason::Died};
     return std::nullopt;
 }
 
@@ -103,10 +110,12 @@ using ResultOf = typename decltype(std::declval<const Reply&>().read())::value_t
 /// Sends one order to a helper, and waits for the reply.
 /// @param text       the fixed-size part of the order
 /// @param for_child  see DecoderWaits
+/// @param progress   as api::Reading::progress; may be empty
 template <class Reply>
 tl::expected<ResultOf<Reply>, NoReply> ask_helper(const DecoderClient::PassOrder& pass_order, std::string_view bytes,
                                                   const Order::Text& text, std::chrono::milliseconds for_child,
-                                                  const std::stop_token& stop, std::atomic<std::int64_t>& used_us) {
+                                                  const std::stop_token& stop, std::atomic<std::int64_t>& used_us,
+                                                  const std::function<void(double)>& progress) {
     const auto max_size = static_cast<std::size_t>(text.max_size);
     auto outcome = make_sockets(SOCK_SEQPACKET);
     Order order{text, make_file(bytes), Reply::make_file(max_size), {}};
@@ -117,7 +126,8 @@ tl::expected<ResultOf<Reply>, NoReply> ask_helper(const DecoderClient::PassOrder
     order.outcome.reset();  // so that this end is closed when the helper ends
     // When this function returns, our end of the socket is closed, which ends the child.
     const auto to_end = for_child + kMaxPerProcessorTime * text.limits.time;
-    if (const auto none = wait_for(outcome->ours, for_child, to_end, stop, used_us)) return tl::unexpected(*none);
+    if (const auto none = wait_for(outcome->ours, for_child, to_end, stop, used_us, progress))
+        return tl::unexpected(*none);
     const Reply reply(order.reply, max_size);
     if (!reply) return tl::unexpected(not_started());
     auto result = reply.read();
@@ -164,7 +174,8 @@ std::string subject_of(Order::Product product) {
 /// and once if its child was killed from outside.
 template <class Reply>
 ResultOf<Reply> decode_by(const DecoderClient::PassOrder& pass_order, std::string_view bytes, Order::Text text,
-                          const std::stop_token& stop, const DecoderWaits& waits, DecoderClient::Counts& counts) {
+                          const std::stop_token& stop, const DecoderWaits& waits, DecoderClient::Counts& counts,
+                          const std::function<void(double)>& progress = {}) {
     using Reason = NoReply::Reason;
     text.bytes = bytes.size();
     std::optional<Clock::time_point> retry_until;
@@ -172,7 +183,7 @@ ResultOf<Reply> decode_by(const DecoderClient::PassOrder& pass_order, std::strin
     while (true) {
         const Clock::duration patience = retry_until ? *retry_until - Clock::now() : waits.for_helper;
         text.patience_ms = std::chrono::ceil<std::chrono::milliseconds>(patience).count();
-        auto reply = ask_helper<Reply>(pass_order, bytes, text, waits.for_child, stop, counts.used_us);
+        auto reply = ask_helper<Reply>(pass_order, bytes, text, waits.for_child, stop, counts.used_us, progress);
         if (reply) return *std::move(reply);
         const auto reason = reply.error().reason;
         if (reason == Reason::Died || reason == Reason::Killed || reason == Reason::TooSlow) ++counts.deaths;
@@ -218,7 +229,7 @@ Result<AnyPicture> DecoderClient::decode_to(std::string_view bytes, const api::R
     text.ground = reading.ground;
     text.limits = limits_(bytes, reading.max_pixels);
     if (reading.is_stack) text.limits.time += time_for(reading.max_pixels);
-    return decode_by<ReplyMemory<AnyPicture>>(pass_order_, bytes, text, stop, waits_, counts_);
+    return decode_by<ReplyMemory<AnyPicture>>(pass_order_, bytes, text, stop, waits_, counts_, reading.progress);
 }
 
 Result<Picture> DecoderClient::decode(std::string_view bytes, const api::Reading& reading,

@@ -145,6 +145,16 @@ private:
         _exit(kFailed);
     }
 
+    /// Reports the share of the file that is decoded, unless it is nearly the same as before. Called in the child.
+    static void report_progress(double decoded) {
+        constexpr double kStep = 1.0 / (Outcome::kMaxBegun - 2);
+        static double reported = 0;
+        if (decoded < reported + kStep) return;
+        reported = decoded;
+        const Outcome step{.begun = 1, .decoded = decoded};
+        if (write(STDOUT_FILENO, &step, sizeof(step)) < 0) _exit(kFailed);
+    }
+
     template <class AnyPicture>
     [[noreturn]] void decode(Order order, const Decoder::To<AnyPicture>& decode_file) const {
         const auto max_pixels = static_cast<std::size_t>(order.text.max_size);
@@ -153,6 +163,7 @@ private:
             api::Reading reading(max_pixels, text.reduce);
             reading.is_stack = text.is_stack != 0;
             reading.ground = text.ground;
+            reading.progress = report_progress;
             const auto result =
                 decode_file(bytes, reading, [&reply](std::size_t values) { return reply.new_plane(values); });
             return reply.write(result);

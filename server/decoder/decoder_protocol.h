@@ -59,17 +59,21 @@ struct Order {
     void take(Files files);
 };
 
-/// A report about an order. The child sends two: the first has `begun` set, the second, with all members 0, means that
-/// the reply is written. The helper reports that the child has ended or could not be forked. The server reports that no
-/// helper was available. Only the first report without `begun` counts.
+/// A report about an order. The child sends reports with `begun` set, the first at once and others while it decodes.
+/// Then it sends a report with all members 0, which means that the reply is written. The helper reports that the child
+/// has ended or could not be forked. The server reports that no helper was available. Only the first report without
+/// `begun` counts.
 struct Outcome {
+    static constexpr int kMaxBegun = 32;  ///< maximum number of reports of a child with `begun`
+
     std::int32_t fork_error = 0;  ///< errno if a child could not be forked or prepared; otherwise 0
     std::int32_t ended = 0;       ///< 1: the child has ended; without a reply, if this report counts
     std::int32_t no_helper = 0;   ///< 1: there was no helper by the time limit of the order
     std::int32_t begun = 0;       ///< 1: the child has the order; another report follows
     std::int32_t too_slow = 0;    ///< 1: the child ended because it used up its processor time
     std::int32_t killed = 0;      ///< 1: the child was killed from outside
-    std::int64_t used_us = 0;     ///< processor time of the child, in microseconds, except in its first report
+    std::int64_t used_us = 0;     ///< processor time of the child, in microseconds; 0 in reports with `begun`
+    double decoded = 0;           ///< share of the file that is decoded, in reports with `begun`
 };
 
 /// Sends an order with its files.

@@ -12,6 +12,8 @@ Prints the files whose cells differ by more than 2 L* on average, the files that
 Some differences are decisions:
 - HDR pictures (PQ, HLG) are mapped by the extended curve of Reinhard, and not by the curve of Chromium. This includes
   AVIFs with a gain map whose base is HDR.
+- The curves of video in a cICP are taken as that of sRGB. Chromium takes a power of 2.4, which makes greys darker.
+- A PNG is turned upright by an eXIf after its pixels, too.
 - A WebP with an orientation in EXIF is turned upright, which Chromium does not do.
 - A crop (clap) of an AVIF is applied, because HEIF requires it. Chromium shows the whole picture.
 - A layer that an AVIF selects (lsel) is shown. Chromium shows nothing.

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Jobs: requests that run while their clients do not wait."""
 
+import io
 import json
 import os
 import pathlib
@@ -10,6 +11,9 @@ import socket
 import subprocess
 import tempfile
 import unittest
+
+import numpy
+from PIL import Image
 
 from harness import PATIENCE, PICTURES, Call, Server, ServerCase, ask, file_of, flat, wait_until
 
@@ -238,6 +242,23 @@ class Jobs(ServerCase):
         self.assertNotIn("transfer-encoding", old.headers)
         head = ask(self.server, job + "/events", "--head")
         self.assertEqual((head.status, head.type), (200, "text/event-stream"))
+
+    def test_progress_moves_while_a_picture_is_decoded(self):
+        before = [self.submit_endless(), self.submit_endless()]
+        noise = numpy.random.default_rng(54).integers(0, 256, (1500, 2000), dtype=numpy.uint8)
+        file = io.BytesIO()
+        Image.fromarray(noise).save(file, "JPEG")
+        job = submit(self.server, file.getvalue(), path="/halftone?sites=2000")
+        stream = Call(self.server.url(job + "/events"), "--no-buffer")
+        wait_for_event(stream)
+        for other in before:
+            self.assertEqual(ask(self.server, other, "--request", "DELETE").status, 204)
+        received = events(stream.answer().body)
+        self.assertEqual(received[-1][0], "succeeded")
+        early = [document["progress"] for _, document in received if document["iteration"] == 0]
+        self.assertGreater(len([done for done in early if done > 0]), 10, early)
+        fractions = [document["progress"] for _, document in received]
+        self.assertEqual(fractions, sorted(fractions))
 
     def test_streams_end_when_their_client_leaves(self):
         job = self.submit_endless()

@@ -45,6 +45,21 @@ TEST(ColourProfile, ReadsPrimariesFromProfilesChromaticitiesAndCodePoints) {
     }
 }
 
+TEST(ColourProfile, ReadsTheCurvesAndPrimariesOfCodePoints) {
+    const auto light = [](std::uint8_t primaries, std::uint8_t transfer, float share) {
+        return convert_colours({{}, ColourTags::CodePoints{primaries, transfer}, {}})->curves.front()(share);
+    };
+    EXPECT_NEAR(light(1, 5, 0.5F), std::pow(0.5F, 2.8F), 1e-4);
+    EXPECT_NEAR(light(1, 7, 0.05F), 0.0125F, 1e-4);
+    EXPECT_NEAR(light(1, 7, 0.5F), std::pow(0.6115F / 1.1115F, 1 / 0.45F), 1e-4);
+    EXPECT_NEAR(light(11, 17, 0.5F), 52.37F / 48 * std::pow(0.5F, 2.6F), 1e-4);
+    EXPECT_EQ(light(11, 17, 1), 1);
+    for (const std::uint8_t primaries : std::array<std::uint8_t, 9>{4, 5, 6, 7, 8, 9, 11, 12, 22}) {
+        EXPECT_EQ(light(primaries, 8, 0.5F), 0.5F) << int{primaries};
+        EXPECT_TRUE(convert_colours({{}, ColourTags::CodePoints{primaries, 13}, {}})->matrix) << int{primaries};
+    }
+}
+
 TEST(ColourProfile, ConvertsNothingForSrgb) {
     EXPECT_FALSE(convert(profile_in("srgb.png")));
     EXPECT_FALSE(convert_colours({{}, ColourTags::CodePoints{1, 13}, {}}));
@@ -98,7 +113,7 @@ TEST(ColourProfile, CompressesHighDynamicRange) {
 }
 
 TEST(ColourProfile, UsesTheProfileInsteadOfUnsupportedCodePoints) {
-    const ColourTags tags{profile_in("p3.png"), ColourTags::CodePoints{9, 17}, {}};  // of digital cinema
+    const ColourTags tags{profile_in("p3.png"), ColourTags::CodePoints{9, 9}, {}};  // logarithmic
     expect_p3(convert_colours(tags), "profile");
 }
 

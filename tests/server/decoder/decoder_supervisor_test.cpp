@@ -78,6 +78,14 @@ Result<Picture> obey(std::string_view file, const api::Reading& reading, const a
     if (file == "opaque") return picture_of(2, {0.125F, 1}, make_plane);
     if (file == "limit") return failure(ErrorCode::LimitExceeded, std::to_string(reading.max_pixels));
     if (file == "reduce") return failure(ErrorCode::LimitExceeded, std::to_string(reading.reduce));
+    if (file == "steps") {
+        for (const double share : {0.25, 0.5, 0.5, 0.51, 0.75}) reading.progress(share);
+        return picture_of(2, {0, 1}, make_plane);
+    }
+    if (file == "flood") {
+        for (const Outcome step{.begun = 1, .decoded = 0.5};;)
+            static_cast<void>(write(STDOUT_FILENO, &step, sizeof(step)));
+    }
     if (file == "crash") *static_cast<volatile int*>(nullptr) = 1;
     if (file == "abort") std::abort();
     if (file == "throw") throw std::runtime_error("thrown");
@@ -446,6 +454,20 @@ TEST(DecoderSupervisor, DecodesWholeAndTruncatedFilesIdentically) {
     }
     EXPECT_GT(files, 30);
     EXPECT_EQ(supervisor->deaths(), 0U);
+}
+
+TEST(DecoderSupervisor, ReportsTheProgressOfADecoder) {
+    const auto supervisor = make_box();
+    std::vector<double> shares;
+    api::Reading reading(kMaxPixels);
+    reading.progress = [&](double share) { shares.push_back(share); };
+    EXPECT_TRUE(supervisor->decode("steps", reading, {}));
+    EXPECT_EQ(shares, (std::vector{0.25, 0.5, 0.75}));
+}
+
+TEST(DecoderSupervisor, EndsADecoderThatReportsTooOften) {
+    const auto supervisor = make_box();
+    expect_death(*supervisor, "flood");
 }
 
 TEST(DecoderSupervisor, SurvivesADecoderThatFails) {
