@@ -1,0 +1,489 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/halftone/field_drawing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <utility>
+
+#include "core/halftone/bilinear.h"
+#include "core/halftone/blur.h"
+#include "core/halftone/diffusion.h"
+#include "core/halftone/level_outline.h"
+#include "core/halftone/pixel_ranges.h"
+#include "core/halftone/ring_reduction.h"
+
+namespace ccdt {
+
+namespace {
+
+std::size_t size_of(const CellGrid& cells) {
+    return static_cast<std::size_t>(cells.columns) * static_cast<std::size_t>(cells.rows);
+}
+
+/// Positions of the centres of cells of one grid between those of another one, along both axes.
+class Resampling {
+public:
+    Resampling(const CellGrid& from, const CellGrid& to) : from_(from), is_identity_(from == to) {
+        for (int x = 0; x < to.columns; ++x) across_.emplace_back((x + 0.5) * from.columns / to.columns, from.columns);
+        for (int y = 0; y < to.rows; ++y) down_.emplace_back((y + 0.5) * from.rows / to.rows, from.rows);
+    }
+
+    /// Interpolates a row of the other grid.
+    void row(const std::vector<float>& values, std::size_t y, float* out) const {
+        if (is_identity_) {
+            std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(y * across_.size()), across_.size(), out);
+            return;
+        }
+        const auto& [upper_row, lower_row, down] = down_[y];
+        const float* const upper = values.data() + upper_row * static_cast<std::size_t>(from_.columns);
+        const float* const lower = values.data() + lower_row * static_cast<std::size_t>(from_.columns);
+        for (std::size_t x = 0; x < across_.size(); ++x) {
+            const auto& [first, second, share] = across_[x];
+            out[x] = mix(mix(upper[first], upper[second], share), mix(lower[first], lower[second], share), down);
+        }
+    }
+
+    std::vector<float> operator()(const std::vector<float>& values, Executor& executor) const {
+        std::vector<float> result(across_.size() * down_.size());
+        for_ranges(executor, down_.size(), rows_of_task(static_cast<int>(across_.size())),
+                   [&](std::size_t begin, std::size_t end) {
+                       for (std::size_t y = begin; y < end; ++y) row(values, y, result.data() + y * across_.size());
+                   });
+        return result;
+    }
+
+private:
+    CellGrid from_;
+    bool is_identity_;
+    std::vector<BetweenPixels> across_, down_;
+};
+
+/// Widths of Gaussians: a geometric sequence, and the step of the sequence that each cell has.
+struct Widths {
+    static constexpr double kFactor = 2;
+
+    /// @param sigma  [cells] standard deviations, in cells, > 0
+    Widths(const CellGrid& grid, std::vector<float> sigma, Executor& executor) : cells(grid), step(std::move(sigma)) {
+        const auto [narrow, wide] = std::ranges::minmax(step);
+        const auto of = [narrow = narrow](float width) { return std::log(width / narrow) / std::log(float{kFactor}); };
+        least = static_cast<double>(narrow);
+        steps = static_cast<int>(std::ceil(of(wide))) + 1;
+        for_pixels(executor, step.size(), [&](std::size_t i) { step[i] = of(step[i]); });
+    }
+
+    CellGrid cells;
+    double least;             ///< in cells
+    int steps;                ///< length of the sequence
+    std::vector<float> step;  ///< [cells] in [0, steps - 1]
+};
+
+/// Returns the widths over which ink is fitted: a little more than half the local spacing.
+/// @param reach  in spacings
+/// @param least  in cells
+Widths fit_widths(const FieldPlan& plan, const CellGrid& cells, double reach, double least, Executor& executor) {
+    constexpr double kNarrow = 0.7, kWide = 1.4, kWideIfLimited = 4;
+    const double total = sum_of_pixels(executor, plan.density.size(),
+                                       [&](std::size_t i) { return static_cast<double>(plan.density[i]); });
+    const double mean = total / static_cast<double>(plan.density.size());
+    const double pitch = std::sqrt(static_cast<double>(size_of(cells)) / std::max(plan.sites, 1.0));
+    const double wide = plan.is_limited ? kWideIfLimited : kWide;
+    auto widths = Resampling(plan.cells, cells)(
+        blurred(plan.density, plan.cells.columns, plan.cells.rows, plan.pitch(), executor), executor);
+    for_pixels(executor, widths.size(), [&](std::size_t i) {
+        const double density = mean > 0 ? std::max(static_cast<double>(widths[i]) / mean, 1e-6) : 1;
+        const double local = pitch * std::clamp(1 / std::sqrt(density), kNarrow, wide);
+        widths[i] = static_cast<float>(std::max(reach * local, least));
+    });
+    return {cells, std::move(widths), executor};
+}
+
+/// Returns the share of a pixel in which the spot function exceeds the threshold.
+/// @param above  spot function minus threshold, at the centre
+/// @param slope  change of this difference per pixel, > 0
+float ink_share(float above, float slope) {
+    return std::clamp(0.5f + above / slope, 0.0f, 1.0f);
+}
+
+/// Rows of an image around one row, for differences across it.
+struct ThreeRows {
+    const float *upper, *row, *lower;
+    float least;  ///< slope of the spot function within a pixel at its peaks
+
+    /// Returns the length of the gradient at a pixel, as a central difference, or the least slope.
+    float slope(std::size_t x, std::size_t columns) const {
+        const float across = row[std::min(x + 1, columns - 1)] - row[x > 0 ? x - 1 : x];
+        const float down = lower[x] - upper[x];
+        return std::max(std::sqrt(across * across + down * down) / 2, least);
+    }
+};
+
+/// Thresholds of solid ink and of bare paper.
+constexpr float kSolid = -2, kBare = 3;
+
+/// Fits the threshold of a channel.
+class Fit {
+public:
+    /// @param spots  [cells] spot function
+    /// @param start  [cells] threshold before the fit of any channel
+    /// @param first  [cells] threshold before the fit of this channel
+    /// @param light  [cells] wanted light
+    /// @param near   [cells] mean light of the nearest surroundings
+    /// @param most   [cells] upper limit of the threshold; empty: none
+    Fit(const CellGrid& cells, const std::vector<float>& spots, const std::vector<float>& start,
+        std::vector<float> first, std::vector<float> light, std::vector<float> near, std::span<const float> most,
+        float least_slope, Executor& executor)
+        : cells_(cells),
+          spots_(spots),
+          light_(std::move(light)),
+          near_(std::move(near)),
+          most_(most),
+          threshold_(std::move(first)),
+          slope_(start.size()),
+          executor_(executor) {
+        find_slopes(start, least_slope);
+        limit();
+    }
+
+    /// Returns the share of ink in each cell.
+    std::vector<float> ink() const {
+        std::vector<float> shares(slope_.size());
+        for_pixels(executor_, shares.size(),
+                   [&](std::size_t i) { shares[i] = ink_share(spots_[i] - threshold_[i], slope_[i]); });
+        return shares;
+    }
+
+    /// Measures the error of the ink, and moves the threshold.
+    /// @param ink     [cells] share of ink
+    /// @param widths  for cells, or for fewer and larger ones, in which errors are blurred faster
+    /// @param gain    change of the threshold, divided by the error; above 1, later rounds correct what was too much
+    void round(std::vector<float> ink, const Widths& widths, float gain) {
+        std::vector<float> error = std::move(ink);
+        for_pixels(executor_, error.size(), [&](std::size_t i) { error[i] -= 1 - light_[i]; });
+        const auto [columns, rows] = widths.cells;
+        if (widths.cells != cells_) error = reduced(error, cells_.columns, cells_.rows, widths.cells, executor_);
+        // A single blur has side lobes, which let a part of the dots' texture pass.
+        for (int half = 0; half < 2; ++half)
+            blur(error, columns, rows, widths.least / std::numbers::sqrt2, scratch_, executor_);
+        std::vector<float> change(error.size());
+        for (int step = 0; step < widths.steps; ++step) {
+            for_pixels(executor_, change.size(), [&](std::size_t i) {
+                const float weight = 1 - std::abs(widths.step[i] - static_cast<float>(step));
+                change[i] += gain * std::max(weight, 0.0f) * error[i];
+            });
+            const double sigma = widths.least * std::pow(Widths::kFactor, step);
+            if (step + 1 < widths.steps)
+                blur(error, columns, rows, sigma * std::sqrt(Widths::kFactor * Widths::kFactor - 1), scratch_,
+                     executor_);
+        }
+        move(change, widths.cells);
+    }
+
+    std::vector<float>& threshold() { return threshold_; }
+
+    /// Returns the threshold minus the spot function, which is at most 0 where ink lies.
+    std::vector<float> level() const {
+        std::vector<float> values(spots_.size());
+        for_pixels(executor_, values.size(), [&](std::size_t i) { values[i] = threshold_[i] - spots_[i]; });
+        return values;
+    }
+
+private:
+    /// Changes the threshold.
+    /// @param change  [grid]
+    void move(const std::vector<float>& change, const CellGrid& grid) {
+        const auto columns = static_cast<std::size_t>(cells_.columns);
+        const Resampling resampling(grid, cells_);
+        for_ranges(executor_, static_cast<std::size_t>(cells_.rows), rows_of_task(cells_.columns),
+                   [&](std::size_t begin, std::size_t end) {
+                       std::vector<float> row(columns);
+                       for (std::size_t y = begin; y < end; ++y) {
+                           resampling.row(change, y, row.data());
+                           for (std::size_t x = 0; x < columns; ++x) threshold_[y * columns + x] += row[x];
+                       }
+                   });
+        limit();
+    }
+
+    /// Keeps solid ink free of holes, bare paper free of dots, and the threshold below its limit.
+    void limit() {
+        constexpr float kNothing = 0.0005f;
+        for_pixels(executor_, threshold_.size(), [&](std::size_t i) {
+            if (near_[i] < kNothing) threshold_[i] = kSolid;
+            if (near_[i] > 1 - kNothing) threshold_[i] = kBare;
+            if (!most_.empty()) threshold_[i] = std::min(threshold_[i], most_[i]);
+        });
+    }
+
+    void find_slopes(const std::vector<float>& start, float least) {
+        const auto columns = static_cast<std::size_t>(cells_.columns), rows = static_cast<std::size_t>(cells_.rows);
+        std::vector<float> above(spots_.size());
+        for_pixels(executor_, above.size(), [&](std::size_t i) { above[i] = spots_[i] - start[i]; });
+        for_ranges(executor_, rows, rows_of_task(cells_.columns), [&](std::size_t begin, std::size_t end) {
+            for (std::size_t y = begin; y < end; ++y) {
+                const auto row = [&](std::size_t number) { return above.data() + number * columns; };
+                const ThreeRows around{row(y > 0 ? y - 1 : y), row(y), row(std::min(y + 1, rows - 1)), least};
+                for (std::size_t x = 0; x < columns; ++x) slope_[y * columns + x] = around.slope(x, columns);
+            }
+        });
+    }
+
+    CellGrid cells_;
+    const std::vector<float>& spots_;
+    std::vector<float> light_, near_;
+    std::span<const float> most_;
+    std::vector<float> threshold_, slope_;
+    std::vector<float> scratch_;
+    Executor& executor_;
+};
+
+/// Returns the threshold of a channel before the fit [to].
+std::vector<float> start_of(const FieldChannel& channel, const Resampling& resampling, Executor& executor) {
+    constexpr float kLowest = -1, kHighest = 2;
+    std::vector<float> start = resampling(channel.sharp, executor);
+    const auto steep = resampling(channel.steepness, executor);
+    for_pixels(executor, start.size(),
+               [&](std::size_t i) { start[i] = std::clamp(0.5f + (start[i] - 0.5f) * steep[i], kLowest, kHighest); });
+    return start;
+}
+
+/// Returns the wanted light of a channel in each cell.
+std::vector<float> wanted_light(const FieldChannel& channel, const CellGrid& from, const CellGrid& to,
+                                Executor& executor) {
+    if (to.columns <= from.columns && to.rows <= from.rows)
+        return reduced(channel.light, from.columns, from.rows, to, executor);
+    return Resampling(from, to)(channel.light, executor);
+}
+
+/// Returns the mean light of the nearest surroundings of each cell.
+std::vector<float> light_near(const FieldChannel& channel, const CellGrid& cells, const Resampling& resampling,
+                              Executor& executor) {
+    constexpr double kNear = 0.6;  // cells of the picture
+    return resampling(blurred(channel.light, cells.columns, cells.rows, kNear, executor), executor);
+}
+
+/// Some rows of a canvas, with the spot function at their pixels.
+class Band {
+public:
+    /// @param begin, end  rows
+    /// @param paint       paint(first, end, spots) writes the spot function of some rows
+    template <class Paint>
+    Band(const CellGrid& canvas, std::size_t begin, std::size_t end, const Paint& paint)
+        : columns_(static_cast<std::size_t>(canvas.columns)),
+          begin_(begin),
+          end_(end),
+          first_(begin > 0 ? begin - 1 : 0),
+          last_(std::min(end + 1, static_cast<std::size_t>(canvas.rows))),
+          spots_((last_ - first_) * columns_),
+          above_(spots_.size()),
+          threshold_(columns_) {
+        paint(first_, last_, std::span(spots_));
+    }
+
+    /// Draws the darker side of a channel.
+    /// @param start, threshold  [cells] before and after the fit
+    /// @param soft              whether pixels have shares of ink; if not, they have ink if their centre has
+    void draw(const std::vector<float>& start, const std::vector<float>& threshold, const Resampling& resampling,
+              float least_slope, bool soft, Raster& raster) {
+        for (std::size_t y = first_; y < last_; ++y) {
+            float* const above = row(above_, y);
+            resampling.row(start, y, above);
+            for (std::size_t x = 0; x < columns_; ++x) above[x] = row(spots_, y)[x] - above[x];
+        }
+        for (std::size_t y = begin_; y < end_; ++y) {
+            const ThreeRows around{row(above_, std::max(y, first_ + 1) - 1), row(above_, y),
+                                   row(above_, std::min(y + 1, last_ - 1)), least_slope};
+            const float* const spots = row(spots_, y);
+            resampling.row(threshold, y, threshold_.data());
+            std::uint8_t* const out = raster.coverage.data() + y * columns_;
+            for (std::size_t x = 0; x < columns_; ++x) {
+                const float higher = spots[x] - threshold_[x];
+                const float share = soft ? ink_share(higher, around.slope(x, columns_)) : higher > 0 ? 1.0f : 0.0f;
+                out[x] = static_cast<std::uint8_t>(255 * share + 0.5f);
+            }
+        }
+    }
+
+private:
+    float* row(std::vector<float>& values, std::size_t y) { return values.data() + (y - first_) * columns_; }
+
+    std::size_t columns_, begin_, end_, first_, last_;
+    std::vector<float> spots_, above_, threshold_;
+};
+
+Raster blank(const CellGrid& canvas) {
+    return {canvas.columns, canvas.rows, 0, std::vector<std::uint8_t>(size_of(canvas))};
+}
+
+/// Returns the cells of the fit: the pixels of the canvas or, if triangles have many pixels, fewer and larger cells.
+CellGrid fit_cells(const FieldPlan& plan, const CellGrid& canvas) {
+    const double scale = static_cast<double>(canvas.columns) / plan.cells.columns;
+    const double share = std::min(plan.sites > 0 ? kPixelsOfPitch / (plan.pitch() * scale) : 1 / scale, 1.0);
+    const auto along = [share](int pixels) { return std::max(static_cast<int>(std::lround(share * pixels)), 1); };
+    return {along(canvas.columns), along(canvas.rows)};
+}
+
+/// Returns cells in which outlines are precise: kPixelsOfPitch to the spacing of sites, and at least those of the plan,
+/// but at most 16 million.
+CellGrid outline_cells(const FieldPlan& plan) {
+    constexpr double kMost = 16e6;
+    const double cells = static_cast<double>(plan.cells.columns) * plan.cells.rows;
+    const double wanted = std::max(plan.sites * kPixelsOfPitch * kPixelsOfPitch, cells);
+    const double scale = std::sqrt(std::min(wanted, kMost) / cells);
+    const auto along = [scale](int side) { return std::max(static_cast<int>(std::lround(scale * side)), 1); };
+    return {along(plan.cells.columns), along(plan.cells.rows)};
+}
+
+}  // namespace
+
+FieldDrawing::FieldDrawing(const FieldPlan& plan, std::span<const Point> sites, const std::optional<CellGrid>& canvas,
+                           const std::stop_token& stop, Executor& executor)
+    : is_nested_(!plan.sets.empty()),
+      pitch_(plan.pitch() / plan.cells.columns),
+      triangles_(sites, {{0, 0}, {static_cast<double>(plan.cells.columns), static_cast<double>(plan.cells.rows)}}),
+      cells_(canvas ? fit_cells(plan, *canvas) : outline_cells(plan)),
+      spots_(SpotField(triangles_, cells_).values(executor)),
+      executor_(executor) {
+    // The first rounds blur errors in larger cells. The last ones measure what is drawn, and blur it so widely that no
+    // texture of dots is left: the threshold would follow it, which makes dark areas darker and light ones lighter.
+    constexpr int kRounds = 6, kCoarse = 5, kLast = 2, kLastIfDrawn = 3;
+    constexpr double kReach = 0.6, kWideReach = 0.9;    // spacings
+    constexpr double kLeast = 1.5, kLeastOfCoarse = 2;  // cells
+    constexpr float kFirstGain = 1.9f, kLastGain = 0.5f;
+    const Resampling resampling(plan.cells, cells_);
+    const Widths widths = fit_widths(plan, cells_, kReach, kLeast, executor);
+    const Widths wide = fit_widths(plan, cells_, kWideReach, kLeast, executor);
+    const CellGrid half{(cells_.columns + 1) / 2, (cells_.rows + 1) / 2};
+    const Widths coarse = widths.least < kLeastOfCoarse ? widths : fit_widths(plan, half, kReach, 0, executor);
+    const bool is_drawn = cells_ != canvas;  // whether ink is measured in other pixels than the cells
+    for (const FieldChannel& channel : plan.channels) {
+        std::vector<float> start = start_of(channel, resampling, executor);
+        std::vector<float> first = start;
+        std::span<const float> most;
+        if (is_nested_ && !thresholds_.empty()) {
+            // Begins with the corrections of the boundary before.
+            most = thresholds_.back();
+            for_pixels(executor, first.size(), [&](std::size_t i) {
+                if (most[i] < kBare) first[i] = std::min(first[i] + most[i] - starts_.back()[i], most[i]);
+            });
+        }
+        Fit fit(cells_, spots_, start, std::move(first), wanted_light(channel, plan.cells, cells_, executor),
+                light_near(channel, plan.cells, resampling, executor), most, least_slope(cells_.columns), executor);
+        for (int round = 0; round < kRounds && !stop.stop_requested(); ++round) {
+            const float gain = std::lerp(kFirstGain, kLastGain, static_cast<float>(round) / (kRounds - 1));
+            fit.round(fit.ink(), round < kCoarse ? coarse : widths, gain);
+        }
+        for (int round = 0; round < (is_drawn ? kLastIfDrawn : kLast) && !stop.stop_requested(); ++round) {
+            auto ink = !is_drawn ? fit.ink()
+                       : canvas  ? drawn_ink(start, fit.threshold(), *canvas)
+                                 : outlined_shares(fit.level(), cells_, executor);
+            fit.round(std::move(ink), wide, 1);
+        }
+        starts_.push_back(std::move(start));
+        thresholds_.push_back(std::move(fit.threshold()));
+    }
+}
+
+namespace {
+
+/// Rounds nested rasters to 0 or 255. A pixel that an earlier raster covers is covered in all later ones. Of the
+/// others, later rasters cover a share that leads to the same mean.
+void diffuse_nested(std::vector<Raster>& rasters) {
+    std::vector<std::uint8_t> before(rasters.front().coverage.size(), 0), rounded = before;
+    for (auto& [width, height, radius, coverage] : rasters) {
+        for (std::size_t i = 0; i < coverage.size(); ++i) {
+            const unsigned earlier = std::exchange(before[i], coverage[i]), rest = 255 - earlier;
+            if (rounded[i] != 0 || rest == 0) {
+                coverage[i] = rounded[i];
+            } else {
+                coverage[i] = static_cast<std::uint8_t>((255 * (coverage[i] - earlier) + rest / 2) / rest);
+            }
+        }
+        diffuse(coverage, width, height);
+        rounded = coverage;
+    }
+}
+
+}  // namespace
+
+template <class Draw>
+void FieldDrawing::for_bands(const CellGrid& canvas, const Draw& draw) const {
+    std::optional<SpotField> field;
+    if (canvas != cells_) field.emplace(triangles_, canvas);
+    const auto columns = static_cast<std::size_t>(canvas.columns);
+    const auto paint = [&](std::size_t first, std::size_t end, std::span<float> spots) {
+        if (field) return field->paint(static_cast<int>(first), static_cast<int>(end), spots);
+        std::ranges::copy(std::span(spots_).subspan(first * columns, (end - first) * columns), spots.begin());
+    };
+    for_ranges(executor_, static_cast<std::size_t>(canvas.rows), SpotField::kRowsOfBand,
+               [&](std::size_t begin, std::size_t end) { draw(Band(canvas, begin, end, paint), begin, end); });
+}
+
+std::vector<float> FieldDrawing::drawn_ink(const std::vector<float>& start, const std::vector<float>& threshold,
+                                           const CellGrid& canvas) const {
+    Raster raster = blank(canvas);
+    const Resampling resampling(cells_, canvas);
+    for_bands(canvas, [&](Band band, std::size_t, std::size_t) {
+        band.draw(start, threshold, resampling, least_slope(canvas.columns), true, raster);
+    });
+    std::vector<float> shares(raster.coverage.size());
+    for_pixels(executor_, shares.size(),
+               [&](std::size_t i) { shares[i] = static_cast<float>(raster.coverage[i]) / 255; });
+    return reduced(shares, canvas.columns, canvas.rows, cells_, executor_);
+}
+
+void FieldDrawing::nest(std::vector<Raster>& rasters, std::size_t begin, std::size_t end) const {
+    for (std::size_t c = 1; c < rasters.size() && is_nested_; ++c) {
+        for (std::size_t i = begin; i < end; ++i)
+            rasters[c].coverage[i] = std::max(rasters[c].coverage[i], rasters[c - 1].coverage[i]);
+    }
+}
+
+std::vector<Raster> FieldDrawing::rasters(int width, int height, bool antialias) const {
+    // The sizes of larger dots are exact even if each pixel is black or white.
+    constexpr double kLarge = 48;
+    const bool diffused = !antialias && pitch_ * width < kLarge;
+    const CellGrid canvas{width, height};
+    const auto columns = static_cast<std::size_t>(width);
+    std::vector<Raster> rasters(thresholds_.size(), blank(canvas));
+    const Resampling resampling(cells_, canvas);
+    for_bands(canvas, [&](Band band, std::size_t begin, std::size_t end) {
+        for (std::size_t c = 0; c < rasters.size(); ++c)
+            band.draw(starts_[c], thresholds_[c], resampling, least_slope(width), antialias || diffused, rasters[c]);
+        nest(rasters, begin * columns, end * columns);
+    });
+    if (!diffused) return rasters;
+    if (is_nested_) {
+        diffuse_nested(rasters);
+    } else {
+        executor_.run(rasters.size(), [&](std::size_t c) { diffuse(rasters[c].coverage, width, height); });
+    }
+    return rasters;
+}
+
+std::vector<std::vector<std::vector<Point>>> FieldDrawing::outlines(bool lighter) const {
+    constexpr double kDisplacement = 0.01;
+    constexpr std::size_t kRingsOfTask = 64;
+    std::vector<std::vector<std::vector<Point>>> outlines;
+    std::vector<float> level(spots_.size(), 2);
+    const double pitch = pitch_ * cells_.columns;
+    const Box box{{0, 0}, {static_cast<double>(cells_.columns), static_cast<double>(cells_.rows)}};
+    for (const std::vector<float>& threshold : thresholds_) {
+        for_pixels(executor_, level.size(), [&](std::size_t i) {
+            const float own = lighter ? spots_[i] - threshold[i] : threshold[i] - spots_[i];
+            level[i] = is_nested_ ? std::min(level[i], own) : own;
+        });
+        auto& rings = outlines.emplace_back(outline_of(level, cells_));
+        for_ranges(executor_, rings.size(), kRingsOfTask, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                rings[i] = reduced_ring(rings[i], kDisplacement * pitch * pitch, box);
+                for (Point& p : rings[i]) p = {p.x / cells_.columns, p.y / cells_.rows};
+            }
+        });
+        std::erase_if(rings, [](const std::vector<Point>& ring) { return ring.empty(); });
+    }
+    return outlines;
+}
+
+}  // namespace ccdt

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <stop_token>
+#include <vector>
+
+#include "core/halftone/overprint.h"
+#include "core/halftone/reduction.h"
+#include "core/parallel/executor.h"
+
+namespace ccdt {
+
+/// Largest number of sets of inks that a drawing uses.
+inline constexpr std::size_t kMaxInkSets = 8;
+
+/// Options of a drawing by one field.
+struct FieldOptions {
+    std::optional<std::size_t> sites;  ///< number of sites, >= 1
+    std::optional<double> radius;      ///< radius of the largest dots, in cells, > 0; required if there is no `sites`
+    double detail = 1;                 ///< strength of the sharpening, in [0, 1]
+    /// Smallest area of a dot or a hole, in cells, >= 0. Where dots or holes would be smaller, there are fewer.
+    double least_area = 0;
+    /// Maximum number of sites that may follow from the radius.
+    std::optional<std::size_t> max_sites = std::nullopt;
+};
+
+/// A boundary between two colours of a drawing. The darker colour lies where the spot function exceeds 1 minus the
+/// darker colour's share. All values are given for cells of the picture.
+struct FieldChannel {
+    std::vector<float> light;      ///< share of the lighter colour, in [0, 1]
+    std::vector<float> sharp;      ///< the same after denoising and sharpening, not limited
+    std::vector<float> steepness;  ///< factor of the contrast with 1/2, >= 1; larger at edges of the picture
+};
+
+/// Plan of a drawing by one field: the density of the sites, and what their spot function is compared with.
+struct FieldPlan {
+    CellGrid cells;
+    std::vector<FieldChannel> channels;  ///< grey; or red, green and blue; or the boundaries between `sets`
+    /// Sets of inks, as bits, from dark to light. From one set to the next, the spot function falls. Empty if channels
+    /// are independent of each other.
+    std::vector<unsigned> sets;
+    std::vector<float> density;  ///< [cells] sites per cell, up to a factor
+    double sites = 0;            ///< number of sites that the radius or the number asks for; 0 for a picture of
+                                 ///< bare paper and solid ink only
+    bool is_limited = false;     ///< whether dots and holes have a smallest area, so that their spacing varies widely
+    double radius = 0;           ///< radius of dots that cover half of a place of luminance 1/2, in cells
+
+    /// Mean distance of neighbouring sites, in cells: the side of a square of the mean area.
+    double pitch() const;
+};
+
+/// Returns the area that dots and holes have to draw, in cells. Each cell adds the largest min(c, 1 - c) of its channel
+/// values c.
+/// @param light  [channels][cells] in [0, 1]
+double minority_area(const std::vector<std::vector<float>>& light, Executor& executor = inline_executor());
+
+/// Plans the sites of a drawing.
+///
+/// The density is that at which a pattern of dots is least visible, if its contrast after a blur is c V exp(-k rho) for
+/// rho dots that cover the share c, and V is the slope of lightness: proportional to log(1 + c V / mu). In shadows,
+/// where there are two holes for each site, it is smaller.
+///
+/// @param light  [1 or 3][cells] linear light, in [0, 1]
+/// @param stop   polled between steps; after a stop the plan must not be used
+/// Deterministic for any number of threads. O(cells).
+FieldPlan plan_field(std::vector<std::vector<float>> light, const CellGrid& cells, const FieldOptions& options,
+                     const std::stop_token& stop = {}, Executor& executor = inline_executor());
+
+/// Plans a drawing in several inks, by the shares of sets of inks that InkMixture chooses.
+/// @param light  wanted light
+/// @param inks   1 to kMaxInks inks
+FieldPlan plan_field(LightPlanes light, const InkSet& inks, const CellGrid& cells, const FieldOptions& options,
+                     const std::stop_token& stop = {}, Executor& executor = inline_executor());
+
+}  // namespace ccdt
