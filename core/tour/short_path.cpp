@@ -217,15 +217,16 @@ private:
     std::size_t count_;
 };
 
-/// Shortens an open path. The path is stored as a closed tour with an extra stop, the gap, at distance 0 from every
-/// stop. The ends of the path are adjacent to the gap.
+/// Shortens a closed tour or an open path. A path is stored as a closed tour with an extra stop, the gap, at distance 0
+/// from every stop. The ends of the path are adjacent to the gap.
 class Shortener {
 public:
-    Shortener(std::span<const Point> points, const Neighbours& neighbours)
+    Shortener(std::span<const Point> points, const Neighbours& neighbours, bool closed)
         : points_(points),
           neighbours_(neighbours),
           gap_(static_cast<Stop>(points.size())),
-          tour_(gap_ + 1),
+          closed_(closed),
+          tour_(closed ? gap_ : gap_ + 1),
           queue_(gap_) {}
 
     void run(const std::stop_token& stop) {
@@ -240,7 +241,8 @@ public:
     std::vector<Stop> path() const {
         std::vector<Stop> path;
         path.reserve(points_.size());
-        for (Stop stop = tour_.next(gap_); stop != gap_; stop = tour_.next(stop)) path.push_back(stop);
+        for (Stop stop = closed_ ? 0 : tour_.next(gap_); path.size() < points_.size(); stop = tour_.next(stop))
+            path.push_back(stop);
         return path;
     }
 
@@ -317,14 +319,14 @@ private:
 
     std::span<const Point> points_;
     const Neighbours& neighbours_;
-    Stop gap_;
+    Stop gap_;  ///< in no closed tour
+    bool closed_;
     Tour tour_;
     Queue queue_;
 };
 
-}  // namespace
-
-std::vector<std::uint32_t> short_path(std::span<const Point> points, const std::stop_token& stop) {
+/// @param closed  whether the way from the last point to the first counts
+std::vector<std::uint32_t> short_order(std::span<const Point> points, bool closed, const std::stop_token& stop) {
     if (points.empty()) return {};
     const std::vector<Point> unit = normalised(points);
     const std::vector<std::uint32_t> start = along_hilbert(unit);
@@ -334,11 +336,21 @@ std::vector<std::uint32_t> short_path(std::span<const Point> points, const std::
     if (stop.stop_requested()) return start;
     const Neighbours neighbours(sorted, stop);
     if (stop.stop_requested()) return start;
-    Shortener shortener(sorted, neighbours);
+    Shortener shortener(sorted, neighbours, closed);
     shortener.run(stop);
     std::vector<std::uint32_t> path = shortener.path();
     for (std::uint32_t& each : path) each = start[each];
     return path;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> short_path(std::span<const Point> points, const std::stop_token& stop) {
+    return short_order(points, false, stop);
+}
+
+std::vector<std::uint32_t> short_tour(std::span<const Point> points, const std::stop_token& stop) {
+    return short_order(points, true, stop);
 }
 
 double path_length(std::span<const Point> points) {

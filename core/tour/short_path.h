@@ -22,6 +22,9 @@ namespace ccdt {
 /// lists come from the Delaunay triangulation, and reversals of very many points are skipped.
 std::vector<std::uint32_t> short_path(std::span<const Point> points, const std::stop_token& stop = {});
 
+/// Orders points along a short closed tour, by the same steps. The way back from the last point to the first counts.
+std::vector<std::uint32_t> short_tour(std::span<const Point> points, const std::stop_token& stop = {});
+
 /// Returns the length of the path through all points in order.
 double path_length(std::span<const Point> points);
 

@@ -103,6 +103,21 @@ TEST(ShortPath, HandlesCrowdedPoints) {
     EXPECT_LT(path_length(in_order(points, order)), 1.15 * 0.7124 * std::sqrt(2'000));
 }
 
+TEST(ShortTour, VisitsEachPointOnce) {
+    for (const std::size_t count : {0U, 1U, 2U, 3U, 4U, 5U, 10U, 1000U}) {
+        EXPECT_TRUE(is_permutation_of(short_tour(random_points(count)), count)) << count;
+    }
+    EXPECT_TRUE(is_permutation_of(short_tour(std::vector<Point>(20, Point{3, 4})), 20));
+}
+
+/// The shortest tour through many random points of a unit square has the length of the shortest path.
+TEST(ShortTour, IsHardlyLongerThanAPath) {
+    const std::vector<Point> points = random_points(20'000);
+    std::vector<Point> tour = in_order(points, short_tour(points));
+    tour.push_back(tour.front());
+    EXPECT_NEAR(path_length(tour) / shortened(points), 1, 0.01);
+}
+
 TEST(ShortPath, IsInvariantUnderTranslationAndScaling) {
     const std::vector<Point> points = random_points(2'000);
     std::vector<Point> others;
