@@ -76,7 +76,7 @@ ccdt_add_package(decoder ccdt-decoder SECTION graphics
 "This package contains the program that decodes pictures, shapefiles and meshes
 in a sandbox, for the packages ccdt and ccdt-server.")
 
-ccdt_add_package(library libccdt1 SECTION libs
+ccdt_add_package(library libccdt2 SECTION libs
     SUMMARY "library for halftones and evenly spread points"
     DESCRIPTION "This package contains the shared libraries."
     DEPENDS fonts-dejavu-core)
@@ -86,7 +86,7 @@ ccdt_add_package(development libccdt-dev SECTION libdevel
     DESCRIPTION
 "This package contains the headers, the static libraries, and the files for
 CMake and pkg-config."
-    DEPENDS "libccdt1 ${ccdt_same_version}")
+    DEPENDS "libccdt2 ${ccdt_same_version}")
 
 ccdt_add_package(python python3-ccdt SECTION python
     SUMMARY "halftones and evenly spread points in Python"

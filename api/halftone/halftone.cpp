@@ -24,8 +24,6 @@ constexpr Interval kRadii = {.min = 0, .max = 65536, .above_min = true};
 
 constexpr std::array<Choice<Dots>, 3> kDots = {{{"both", Dots::Both}, {"ink", Dots::Ink}, {"paper", Dots::Paper}}};
 
-constexpr std::array<Choice<Layers>, 2> kLayers = {{{"ink", Layers::Ink}, {"kind", Layers::Kind}}};
-
 constexpr std::array<Choice<Tone>, 3> kTones = {
     {{"linear", Tone::Linear}, {"perceptual", Tone::Perceptual}, {"density", Tone::Density}}};
 
@@ -59,6 +57,7 @@ struct Draft {
     std::optional<Palette> palette;
     std::optional<Colour> foreground;
     std::optional<Colour> background;
+    bool has_pen = false;
 };
 
 constexpr std::array<OptionRule<Draft>, 33> kRules = {{
@@ -93,14 +92,13 @@ constexpr std::array<OptionRule<Draft>, 33> kRules = {{
      [](const Input& i, const Limits&, Draft& d) { return assign(d.background, read_colour_or_none(i)); }},
     {"width_mm", [](const Input& i, const Limits&, Draft& d) { return read_width_mm(i, d.request.drawing); }},
     {"style", [](const Input& i, const Limits&, Draft& d) { return read_style(i, d.request.drawing); }},
-    {"pen", [](const Input& i, const Limits&, Draft& d) { return read_pen(i, d.request.drawing); }},
+    {"closed", [](const Input& i, const Limits&, Draft& d) { return read_closed(i, d.request.drawing); }},
+    {"pen", [](const Input& i, const Limits&, Draft& d) { d.has_pen = true; return read_pen(i, d.request.drawing); }},
     {"speed", [](const Input& i, const Limits&, Draft& d) { return read_speed(i, d.request.drawing); }},
     {"dwell", [](const Input& i, const Limits&, Draft& d) { return read_dwell(i, d.request.drawing); }},
     {"dwell_unit", [](const Input& i, const Limits&, Draft& d) { return read_dwell_unit(i, d.request.drawing); }},
     {"pen_down", [](const Input& i, const Limits&, Draft& d) { return read_pen_down(i, d.request.drawing); }},
     {"pen_up", [](const Input& i, const Limits&, Draft& d) { return read_pen_up(i, d.request.drawing); }},
-    {"layers", [](const Input& i, const Limits&,
-                  Draft& d) { return assign(d.request.drawing.layers, read_choice<Layers>(i, kLayers)); }},
     {"format", [](const Input& i, const Limits&,
                   Draft& d) { return assign(d.request.format, read_format(i, halftone_formats())); }},
 }};
@@ -143,40 +141,30 @@ const Input& input_of(std::string_view name, const std::vector<Input>& inputs) {
     return *std::ranges::find(inputs, name, &Input::name);
 }
 
-/// Returns the reason why a format cannot draw dots on both sides of the tonal scale; empty if it can.
-std::string_view obstacle_to_both(const PointFormat& format, bool on_transparent_paper) {
+/// Returns whether a format cannot draw holes in ink.
+bool needs_pen(const PointFormat& format) {
     const VectorWriter* const shapes = format.vector();
-    if (shapes != nullptr && on_transparent_paper)
-        return "cannot be both in drawings of shapes with a transparent background, since paper dots have its colour";
-    if (shapes != nullptr && shapes->by_pen) return "cannot be both in formats for plotters: a pen can only add ink";
-    return {};
+    return shapes != nullptr && shapes->by_pen;
 }
 
-/// Returns the reason why dots on both sides of the tonal scale are not available; empty if they are available.
-std::string_view obstacle_to_both(const Draft& draft) {
-    const HalftoneRequest& request = draft.request;
+constexpr std::string_view kPenObstacle = "cannot be both in formats for plotters: a pen can only add ink";
+
+/// Returns the reason why Dots::Both is not available; empty if it is.
+std::string_view obstacle_to_both(const HalftoneRequest& request) {
     if (request.tone == Tone::Density) return "cannot be both with tone=density, whose dots are ink";
     if (request.drawing.is_stroked()) return "can be both only with style=fill: a pen can only add ink";
     if (request.minutes) return "cannot be both with minutes, the time of a plotter: a pen can only add ink";
-    return obstacle_to_both(*request.format, draft.background.value_or(kWhite).transparent);
+    return needs_pen(*request.format) ? kPenObstacle : std::string_view{};
 }
 
-/// Returns whether Dots::Both looks better than Dots::Ink. With four or more custom inks, many mixtures give the same
-/// colour, and the grounds become ragged where the chosen mixture changes.
-bool is_better_on_both_sides(const Draft& draft) {
-    constexpr std::size_t kMaxInksOfBoth = 3;
-    return !draft.palette || draft.palette->inks.size() <= kMaxInksOfBoth;
-}
-
-/// Chooses the sides of the tonal scale on which dots are drawn. By default, drawings have Dots::Both, and lists have
+/// Chooses what the dots are. By default, drawings have Dots::Both, and lists have
 /// Dots::Ink. Must be called after the format is known.
 Result<void> settle_sides(Draft& draft, const std::vector<Input>& inputs) {
     if (draft.dots && draft.invert && *draft.invert != (*draft.dots == Dots::Paper))
         return malformed(input_of("invert", inputs), "contradicts dots: invert=true means dots=paper");
-    const std::string_view obstacle = obstacle_to_both(draft);
+    const std::string_view obstacle = obstacle_to_both(draft.request);
     Dots& dots = draft.request.dots;
-    const bool is_both = obstacle.empty() && draft.request.format->is_drawn() && is_better_on_both_sides(draft);
-    const Dots usual = is_both ? Dots::Both : Dots::Ink;
+    const Dots usual = obstacle.empty() && draft.request.format->is_drawn() ? Dots::Both : Dots::Ink;
     dots = draft.dots.value_or(draft.invert ? *draft.invert ? Dots::Paper : Dots::Ink : usual);
     if (dots == Dots::Both && !obstacle.empty()) return malformed(input_of("dots", inputs), std::string(obstacle));
     const bool is_grey = draft.color.value_or(Palette{}).mixing == Mixing::Cover && !draft.palette;
@@ -184,14 +172,6 @@ Result<void> settle_sides(Draft& draft, const std::vector<Input>& inputs) {
         return malformed(input_of(draft.dots ? "dots" : "invert", inputs),
                          "makes light dots on black, which are available with color=gray only");
     return {};
-}
-
-/// Checks that layers for kinds of dots are requested only for an SVG with Dots::Both. Must be called after
-/// settle_sides().
-Result<void> check_layers(const HalftoneRequest& request, const std::vector<Input>& inputs) {
-    if (request.drawing.layers == Layers::Ink) return {};
-    if (request.format->file.name == "svg" && request.dots == Dots::Both) return {};
-    return malformed(input_of("layers", inputs), "can be kind only with format=svg and dots=both");
 }
 
 /// Checks that a size in pixels is given for drawings only, and not by two options that contradict each other.
@@ -230,8 +210,12 @@ Result<void> settle_detail(HalftoneRequest& request, const std::vector<Input>& i
     return {};
 }
 
-/// Checks that the request gives width_mm if it gives the radius in millimetres.
+/// Checks that the request gives width_mm if it gives the radius in millimetres. Checks that sizes of dots that follow
+/// from the tones are not also given.
 Result<void> check_dot(const HalftoneRequest& request, const std::vector<Input>& inputs) {
+    if (request.dot && request.sites && request.dots == Dots::Both)
+        return malformed(input_of("dot", inputs),
+                         "cannot be given together with sites if dots=both: leave one of them out");
     if (!request.dot || !request.dot->millimetres || request.drawing.width_mm) return {};
     const auto dot = std::ranges::find(inputs, "dot", &Input::name);
     return malformed(*dot, "in mm needs width_mm, the width of the drawing in millimetres");
@@ -254,10 +238,11 @@ Result<HalftoneRequest> parse_options(HalftoneRequest request, const std::vector
     errors.add(settle_format(accept, halftone_formats(), draft.request.format));
     if (draft.request.format != nullptr) {
         errors.add(settle_sides(draft, inputs));
-        errors.add(check_layers(draft.request, inputs));
         errors.add(settle_size(draft, inputs));
+        draft.request.drawing.pen_follows = draft.request.drawing.style == DotStyle::Path && !draft.has_pen;
         errors.add(draft.request.format->check_drawing(draft.request.drawing, draft.request.field_of("width_mm")));
     }
+    errors.add(check_closed(draft.request.drawing, draft.request.field_of("closed")));
     errors.add(settle_palette(draft, inputs));
     errors.add(check_dot(draft.request, inputs));
     errors.add(check_minutes(draft.request, inputs));
@@ -270,11 +255,8 @@ Result<HalftoneRequest> parse_options(HalftoneRequest request, const std::vector
 /// LimitExceeded.
 Result<void> check_format(const HalftoneRequest& request, const Canvas& canvas, const PointFormat& format,
                           const Limits& limits) {
-    if (request.dots == Dots::Both) {
-        const std::string_view obstacle = obstacle_to_both(format, request.palette.paper.transparent);
-        if (!obstacle.empty())
-            return failure(ErrorCode::Malformed, std::string("dots ").append(obstacle), request.field_of("dots"));
-    }
+    if (request.dots == Dots::Both && needs_pen(format))
+        return failure(ErrorCode::Malformed, std::string("dots ").append(kPenObstacle), request.field_of("dots"));
     if (format.is_drawn()) {
         if (auto sized = check_pixels(request, canvas, limits); !sized) return sized;
     }
@@ -336,9 +318,9 @@ Result<Answer> write_answer(const HalftoneRequest& request, const PlacedHalftone
     answer.media_type = format.file.content_type();
     answer.dots = plan.size();
     if (format.file.name != "json" && !plan.warnings.empty()) answer.warnings = write_warnings(plan.warnings);
-    for (const Distribution& each : dots.inks) answer.sites += each.points.size();
+    for (const Distribution& each : dots) answer.sites += each.points.size();
     answer.pixels = static_cast<std::size_t>(plan.picture.width) * static_cast<std::size_t>(plan.picture.height);
-    answer.partial = std::ranges::any_of(dots.inks, &Distribution::stopped);
+    answer.partial = std::ranges::any_of(dots, &Distribution::stopped);
     answer.repeats = format.repeats();
     Body body(answer, sink, control.stop);
     auto written = write_halftone(request, format, plan, dots, elapsed, control, body);

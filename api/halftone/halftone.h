@@ -38,7 +38,7 @@ Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::ve
 /// A halftone whose dots are placed. It can be written in several formats.
 struct PlacedHalftone {
     HalftonePlan plan;
-    PlacedDots dots;
+    std::vector<Distribution> dots;
     double elapsed = 0;  ///< computing time so far, milliseconds
 };
 
@@ -53,7 +53,7 @@ Result<PlacedHalftone> place_halftone(const HalftoneRequest& request, const Limi
 /// @param placed  result of place_halftone() for `request`
 /// @param sink    as for run_halftone()
 /// Errors: those of writing in run_halftone(); Malformed if the format needs an option that the request does not give,
-/// or cannot draw dots on both sides of the tonal scale; LimitExceeded if the drawing would be too large.
+/// or cannot draw holes; LimitExceeded if the drawing would be too large.
 Result<Answer> write_answer(const HalftoneRequest& request, const PlacedHalftone& placed, const PointFormat& format,
                             const Limits& limits, const Control& control, Timings& timings, BodySink* sink = nullptr);
 

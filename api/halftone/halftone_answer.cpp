@@ -11,17 +11,13 @@
 #include <vector>
 
 #include "api/image/enlargement.h"
-#include "api/image/ink_set.h"
 #include "api/image/overlay.h"
-#include "api/image/srgb.h"
 #include "api/output/formats.h"
 #include "api/output/json_writer.h"
 #include "api/output/point_drawing.h"
 #include "api/run/deadline.h"
-#include "core/halftone/diffusion.h"
 #include "core/halftone/dots.h"
-#include "core/halftone/ground_outline.h"
-#include "core/halftone/overprint.h"
+#include "core/halftone/field_drawing.h"
 #include "core/halftone/pixel_ranges.h"
 #include "core/halftone/softening.h"
 
@@ -31,11 +27,10 @@ namespace {
 /// Writes dots in the format of a request. Has an operator for each kind of writer that a format can have.
 class Writing {
 public:
-    Writing(const HalftoneRequest& request, const HalftonePlan& plan, std::span<const SizedDots> sized,
-            const Report& report, std::vector<InkDots> inks, Body& body, const Control& control)
+    Writing(const HalftoneRequest& request, const HalftonePlan& plan, const Report& report, std::vector<InkDots> inks,
+            Body& body, const Control& control)
         : request_(request),
           plan_(plan),
-          sized_(sized),
           report_(report),
           inks_(std::move(inks)),
           body_(body),
@@ -44,16 +39,16 @@ public:
           executor_(*control.executor) {}
 
     Result<void> operator()(const ListWriter& writer) {
-        describe_two_sides();
+        if (plan_.field && writer.has_areas) describe_areas();
         writer.write({inks_}, report_, body_, stop_);
         return {};
     }
 
     /// Draws shapes. Dots have the same radius as in rasters.
     Result<void> operator()(const VectorWriter& writer) {
-        describe_two_sides();
+        if (plan_.field) describe_areas();
         for (std::size_t ink = 0; ink < inks_.size(); ++ink)
-            inks_[ink].radius = plan_.radius ? *plan_.radius : rasterise(ink, true).radius / plan_.canvas.scale;
+            inks_[ink].radius = plan_.radius ? *plan_.radius : rasterise(ink).radius / plan_.canvas.scale;
         const Page page{plan_.box(), false, false, plan_.canvas, request_.drawing.width_mm};
         const double largest = std::ranges::max_element(inks_, {}, &InkDots::radius)->radius;
         if (auto checked =
@@ -70,20 +65,24 @@ public:
 
 private:
     Result<std::string> write_pixels(const RasterWriter& writer) const {
-        if (plan_.two_sides && !plan_.two_sides->is_nested && request_.antialias && writer.write_plates == nullptr)
-            return write_picture(writer, mixed_pixels());
-        std::vector<Raster> rasters;
-        const std::size_t count = plan_.two_sides ? plan_.two_sides->channels.size() : inks_.size();
-        for (std::size_t ink = 0; ink < count; ++ink) rasters.push_back(rasterise(ink, request_.antialias));
+        std::vector<Raster> rasters = draw();
         if (request_.may_be_scaled) {
-            for (Raster& raster : rasters) soften(raster, executor_);
+            // The dots of one field are small, and would be pale if their rims were as soft as those of discs.
+            constexpr unsigned kOwnOfDiscs = 2, kOwnOfField = 3;
+            for (Raster& raster : rasters) soften(raster, plan_.field ? kOwnOfField : kOwnOfDiscs, executor_);
         }
+        const bool has_sets = plan_.field && !plan_.field->sets.empty();
         Palette palette = request_.palette;
         if (writer.write_plates != nullptr && palette.mixing == Mixing::Multiply) {
-            if (count < palette.inks.size()) take_black_out(rasters);
+            if (has_sets) rasters = plates_of(rasters);
+            if (rasters.size() < palette.inks.size()) take_black_out(rasters);
             return writer.write_plates(rasters, palette.inks, request_.drawing.width_mm, stop_);
         }
-        palette.inks.resize(count);
+        if (has_sets) {
+            return write_picture(
+                writer, overlay_sets(rasters, plan_.field->sets, palette, request_.antialias, stop_, executor_));
+        }
+        palette.inks.resize(rasters.size());
         return write_picture(writer, overlay(std::move(rasters), palette, request_.antialias, stop_, executor_));
     }
 
@@ -92,19 +91,37 @@ private:
         return writer.write(picture, request_.drawing.width_mm, stop_);
     }
 
-    /// Draws antialiased dots on both sides of the tonal scale, in custom inks.
-    DotImage mixed_pixels() const {
-        std::vector<Raster> flipped, grounds;
-        for (std::size_t ink = 0; ink < plan_.two_sides->channels.size(); ++ink) {
-            flipped.push_back(rasterise_flipped(ink, true));
-            grounds.push_back({flipped.back().width, flipped.back().height, 0, {}});
-            grounds.back().coverage.resize(flipped.back().coverage.size());
-            apply_ground(ink, true, grounds.back());
-            if (!request_.may_be_scaled) continue;
-            soften(flipped.back(), executor_);
-            soften(grounds.back(), executor_);
+    /// Draws the coverage of each ink or, for Dots::Both, of each channel of the field.
+    std::vector<Raster> draw() const {
+        if (plan_.field) {
+            std::vector<Raster> rasters = field(CellGrid{plan_.canvas.width, plan_.canvas.height})
+                                              .rasters(plan_.canvas.width, plan_.canvas.height, request_.antialias);
+            for (Raster& raster : rasters) {
+                if (!adds()) break;
+                for (std::uint8_t& share : raster.coverage) share = static_cast<std::uint8_t>(255 - share);
+            }
+            return rasters;
         }
-        return overlay_flipped(flipped, grounds, request_.palette, stop_, executor_);
+        std::vector<Raster> rasters;
+        for (std::size_t ink = 0; ink < inks_.size(); ++ink) rasters.push_back(rasterise(ink));
+        return rasters;
+    }
+
+    /// Returns the share of each pixel that each ink covers, for the boundaries between sets of inks.
+    std::vector<Raster> plates_of(std::span<const Raster> boundaries) const {
+        const std::vector<unsigned>& sets = plan_.field->sets;
+        std::vector<Raster> plates(request_.palette.inks.size(), boundaries.front());
+        for (std::size_t ink = 0; ink < plates.size(); ++ink) {
+            std::vector<std::uint8_t>& plate = plates[ink].coverage;
+            for_pixels(executor_, plate.size(), [&](std::size_t i) {
+                unsigned cover = 0;
+                for_sets(boundaries, i, [&](std::size_t set, unsigned share) {
+                    if ((sets[set] >> ink & 1) != 0) cover += share;
+                });
+                plate[i] = static_cast<std::uint8_t>(cover);
+            });
+        }
+        return plates;
     }
 
     /// Replaces the common part of the cyan, magenta and yellow plates with a black plate.
@@ -121,78 +138,63 @@ private:
         plates.push_back(std::move(black));
     }
 
-    /// Adds to `inks_` what writers of lists and shapes need for dots on both sides of the tonal scale: the sizes of
-    /// the dots, and the outlines of the black grounds. Removes kinds without dots.
-    void describe_two_sides() {
-        if (!plan_.two_sides) return;
-        const auto& channels = plan_.two_sides->channels;
+    /// Fits the field to a canvas or, without one, to outlines.
+    FieldDrawing field(const std::optional<CellGrid>& canvas) const {
         const Point cell = cell_size();
-        grounds_.inks = std::span(request_.palette.inks).first(channels.size());
-        for (const TwoSidedChannel& channel : channels) {
-            auto& rings = grounds_.rings.emplace_back(outline_of(adds() ? channel.ground.inverse() : channel.ground));
+        std::vector<Point> sites;
+        for (const Point& p : inks_.front().dots.points) sites.push_back({p.x / cell.x, p.y / cell.y});
+        return {*plan_.field, sites, canvas, stop_, executor_};
+    }
+
+    /// Gives writers of lists and shapes the outlines of the inks.
+    void describe_areas() {
+        const FieldPlan& plan = *plan_.field;
+        auto outlines = field({}).outlines(adds());
+        for (auto& rings : outlines) {
             for (auto& ring : rings) {
-                for (Point& point : ring) point = {point.x * cell.x, point.y * cell.y};
+                for (Point& p : ring) p = {p.x * plan_.picture.width, p.y * plan_.picture.height};
             }
         }
-        for (std::size_t kind = 0; kind < inks_.size(); ++kind)
-            two_sides_.push_back({sized_[kind], plan_.two_sides->kinds[kind].flips, grounds_});
-        for (std::size_t kind = 0; kind < inks_.size(); ++kind) inks_[kind].two_sides = &two_sides_[kind];
-        std::vector<InkDots> drawn;
-        for (const InkDots& each : inks_) {
-            if (!each.dots.points.empty()) drawn.push_back(each);
+        areas_.inks = std::span(request_.palette.inks).first(std::min(request_.palette.inks.size(), outlines.size()));
+        if (plan.sets.empty()) {
+            areas_.rings = std::move(outlines);
+        } else {
+            areas_.inks = request_.palette.inks;
+            areas_.rings = rings_of_inks(outlines);
         }
-        if (drawn.empty()) drawn.push_back(inks_.front());
-        inks_.swap(drawn);
+        inks_.front().areas = &areas_;
+    }
+
+    /// Returns the outlines of each ink: those of all boundaries between a set with the ink and a set without it.
+    std::vector<std::vector<std::vector<Point>>> rings_of_inks(
+        std::span<const std::vector<std::vector<Point>>> boundaries) const {
+        const std::vector<unsigned>& sets = plan_.field->sets;
+        std::vector<std::vector<std::vector<Point>>> rings(areas_.inks.size());
+        const double right = plan_.picture.width, bottom = plan_.picture.height;
+        for (std::size_t ink = 0; ink < rings.size(); ++ink) {
+            if ((sets.back() >> ink & 1) != 0) rings[ink].push_back({{0, 0}, {right, 0}, {right, bottom}, {0, bottom}});
+            for (std::size_t b = 0; b < boundaries.size(); ++b) {
+                if (((sets[b] ^ sets[b + 1]) >> ink & 1) == 0) continue;
+                rings[ink].insert(rings[ink].end(), boundaries[b].begin(), boundaries[b].end());
+            }
+        }
+        return rings;
     }
 
     bool adds() const { return request_.palette.mixing == Mixing::Add; }
 
-    /// Returns the size of the cells of the ground, in pixels of the picture.
+    /// Returns the size of the cells of the field, in pixels of the picture.
     Point cell_size() const {
-        const CellGrid& cells = plan_.two_sides->cells;
+        const CellGrid& cells = plan_.field->cells;
         return {static_cast<double>(plan_.picture.width) / cells.columns,
                 static_cast<double>(plan_.picture.height) / cells.rows};
     }
 
-    /// Draws the coverage of one channel for Dots::Both: the channel's ground, and the dots that flip the channel.
-    Raster rasterise_both(std::size_t channel, bool antialias) const {
-        const bool soft = antialias || plan_.samples > 1;
-        Raster raster = rasterise_flipped(channel, antialias);
-        apply_ground(channel, soft, raster);
-        if (adds()) {
-            for (std::uint8_t& share : raster.coverage) share = static_cast<std::uint8_t>(255 - share);
-        }
-        if (soft && !antialias) diffuse(raster.coverage, raster.width, raster.height);
-        return raster;
-    }
-
-    /// Computes the share of each pixel that ink covers. The raster initially holds the share that dots flip.
-    /// @param soft  whether edges of the ground are antialiased
-    void apply_ground(std::size_t channel, bool soft, Raster& raster) const {
-        const CellGrid& cells = plan_.two_sides->cells;
-        const Point scale{static_cast<double>(raster.width) / cells.columns,
-                          static_cast<double>(raster.height) / cells.rows};
-        plan_.two_sides->channels[channel].ground.apply(raster, scale, soft, executor_);
-    }
-
-    /// Draws the dots that flip a channel.
-    Raster rasterise_flipped(std::size_t channel, bool antialias) const {
-        std::vector<Point> places;
-        std::vector<float> radii;
-        for (std::size_t kind = 0; kind < inks_.size(); ++kind) {
-            if ((plan_.two_sides->kinds[kind].flips >> channel & 1) == 0) continue;
-            const std::vector<Point> own = canvas_places(inks_[kind].dots.points);
-            places.insert(places.end(), own.begin(), own.end());
-            radii.insert(radii.end(), sized_[kind].radii.begin(), sized_[kind].radii.end());
-        }
-        return draw_dots(places, radii, plan_.canvas, antialias, plan_.samples, stop_, executor_);
-    }
-
-    /// Draws the coverage of one ink or, for dots on both sides of the tonal scale, of one channel.
-    Raster rasterise(std::size_t ink, bool antialias) const {
-        if (plan_.two_sides) return rasterise_both(ink, antialias);
+    /// Draws the discs of an ink.
+    Raster rasterise(std::size_t ink) const {
         std::optional<double> radius;
         if (plan_.radius) radius = *plan_.radius * plan_.canvas.scale;
+        const bool antialias = request_.antialias || request_.format->raster() == nullptr;
         const DotOptions options{radius, plan_.cover[ink], antialias, plan_.samples};
         return draw_dots(canvas_places(inks_[ink].dots.points), plan_.canvas, options, stop_, executor_);
     }
@@ -210,48 +212,25 @@ private:
 
     const HalftoneRequest& request_;
     const HalftonePlan& plan_;
-    std::span<const SizedDots> sized_;
     const Report& report_;
     std::vector<InkDots> inks_;
-    Grounds grounds_;
-    std::vector<TwoSidedDots> two_sides_;  ///< [kinds]
+    InkAreas areas_;
     Body& body_;
     std::stop_token path_stop_;
     std::stop_token stop_;
     Executor& executor_;
 };
 
-/// Returns the names and colours under which the answer lists dots. For dots on both sides of the tonal scale, there is
-/// one entry for each kind of dots, named after the channels that the kind flips.
-std::vector<Ink> inks_of_answer(const HalftoneRequest& request, const HalftonePlan& plan) {
-    const std::vector<Ink>& inks = request.palette.inks;
-    if (!plan.two_sides || inks.size() == 1) return inks;
-    const InkSet set = ink_set(request.palette);
-    std::vector<Ink> kinds;
-    for (const KindOfDots& kind : plan.two_sides->kinds) {
-        Ink& ink = kinds.emplace_back();
-        std::vector<float> cover(inks.size(), 0);
-        for_channels(kind.flips, [&](std::size_t channel) {
-            ink.name.append(ink.name.empty() ? "" : "+").append(inks[channel].name);
-            cover[channel] = 1;
-        });
-        const Light light = printed({set.inks, set.additive ? Light{} : Light{1, 1, 1}, set.additive}, cover);
-        ink.colour = {to_srgb(static_cast<double>(light.red)), to_srgb(static_cast<double>(light.green)),
-                      to_srgb(static_cast<double>(light.blue))};
-    }
-    return kinds;
-}
-
 }  // namespace
 
 Result<void> write_halftone(const HalftoneRequest& request, const PointFormat& format, const HalftonePlan& plan,
-                            const PlacedDots& dots, double elapsed, const Control& control, Body& body) {
+                            std::span<const Distribution> dots, double elapsed, const Control& control, Body& body) {
     const Report report{request.run.seed, elapsed, plan.picture, "ccdt", {}, plan.size(), plan.warnings};
-    const std::vector<Ink> all = inks_of_answer(request, plan);
+    const Ink sites{};  // of one field, which have no ink
     std::vector<InkDots> inks;
-    for (std::size_t ink = 0; ink < dots.inks.size(); ++ink) inks.push_back({all[ink], dots.inks[ink]});
-    auto written =
-        std::visit(Writing(request, plan, dots.sized, report, std::move(inks), body, control), format.writer);
+    for (std::size_t ink = 0; ink < dots.size(); ++ink)
+        inks.push_back({plan.field ? sites : request.palette.inks[ink], dots[ink]});
+    auto written = std::visit(Writing(request, plan, report, std::move(inks), body, control), format.writer);
     if (auto going = check_stop(stop_of_writing(control, request.on_deadline)); !going) return going;
     return written;
 }

@@ -18,6 +18,6 @@ namespace ccdt::api {
 /// Errors: those of the format's writer; Stopped, unless the request accepts a partial result; Internal if memory runs
 /// out.
 Result<void> write_halftone(const HalftoneRequest& request, const PointFormat& format, const HalftonePlan& plan,
-                            const PlacedDots& dots, double elapsed, const Control& control, Body& body);
+                            std::span<const Distribution> dots, double elapsed, const Control& control, Body& body);
 
 }  // namespace ccdt::api

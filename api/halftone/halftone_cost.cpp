@@ -14,9 +14,10 @@
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/halftone/dot_plan.h"
 #include "core/halftone/dots.h"
+#include "core/halftone/field_drawing.h"
+#include "core/halftone/field_plan.h"
 #include "core/halftone/reduction.h"
 #include "core/halftone/tone.h"
-#include "core/halftone/two_sided.h"
 
 namespace ccdt::api {
 namespace {
@@ -55,14 +56,13 @@ bool has_ink_channels(const HalftoneRequest& request) {
     return has_channels(request) && request.palette.mixing == Mixing::Multiply && !is_cmyk(request.palette.inks);
 }
 
-/// Returns the number of kinds of dots, for Dots::Both in several channels.
-double kinds_of_dots(const HalftoneRequest& request) {
-    const std::size_t kinds = kinds_of(static_cast<std::size_t>(inks_of(request)));
-    return static_cast<double>(std::min(kinds, kMaxInkKinds));
+/// Returns the number of channels of a field.
+double channels_of(const HalftoneRequest& request) {
+    if (!has_ink_channels(request)) return has_channels(request) ? 3 : 1;
+    return std::min(std::exp2(inks_of(request)), static_cast<double>(kMaxInkSets)) - 1;
 }
 
-/// Returns the maximum number of cells in which dots on both sides of the tonal scale are planned. Dot cells are larger
-/// than the cells of the grounds, but by how much follows from the tones of the picture. So both are assumed equal.
+/// Returns the maximum number of cells in which a field is planned.
 double planned_cells(const HalftoneRequest& request, double sites) {
     // Assumes that dots draw a quarter of the picture, like rough_radius().
     constexpr double kShare = 0.25;
@@ -79,37 +79,30 @@ double planned_cells(const HalftoneRequest& request, double sites) {
     return static_cast<double>(cells.columns) * cells.rows;
 }
 
-/// Estimates the cost of dividing the picture into white and black ground, and of planning dots on both grounds.
-Estimate grounds_cost(const HalftoneRequest& request, double sites) {
-    constexpr Estimate kGrey{54, 0.3 * kMicrosecond}, kColour{200, 1.2 * kMicrosecond};
-    constexpr Estimate kInk{48, 0.5 * kMicrosecond}, kKind{8, 0.05 * kMicrosecond}, kInks{80, 1.5 * kMicrosecond};
+/// Estimates the cost of planning a field.
+Estimate field_plan_cost(const HalftoneRequest& request, double sites) {
+    constexpr Estimate kCell{12, 0}, kChannel{28, 0.12 * kMicrosecond}, kTables{8e6, 0.6};
     constexpr double kReading = 8;
-    const Estimate cell = has_ink_channels(request) ? kInk * inks_of(request) + kKind * kinds_of_dots(request) + kInks
-                          : has_channels(request)   ? kColour
-                                                    : kGrey;
-    // Upper bound: two tables for each possible combination of grounds.
-    constexpr Estimate kTable{1.4e6, 5'000 * kMicrosecond};
-    const Estimate tables = has_ink_channels(request) ? kTable * std::exp2(inks_of(request) + 1) : Estimate{};
-    return cell * planned_cells(request, sites) + tables +
+    return (kCell + kChannel * channels_of(request)) * planned_cells(request, sites) +
+           (has_ink_channels(request) ? kTables : Estimate{}) +
            Estimate{kReading, 0} * static_cast<double>(request.image.header.pixels());
 }
 
-/// Estimates the cost of fitting the sizes of dots on both sides of the tonal scale.
-Estimate dot_sizes_cost(const HalftoneRequest& request, double sites) {
-    constexpr Estimate kPixel{36, 0.2 * kMicrosecond}, kSite{48, 5 * kMicrosecond};
-    constexpr Estimate kPixelOfChannels{120, 0.6 * kMicrosecond}, kSiteOfChannels{220, 12 * kMicrosecond};
-    if (request.dots != Dots::Both) return {};
-    if (has_channels(request)) {
-        const double channels = std::max(inks_of(request) / 3, 1.0);
-        return (kPixelOfChannels * planned_cells(request, sites) + kSiteOfChannels * sites) * channels;
-    }
-    return kPixel * planned_cells(request, sites) + kSite * sites;
+/// Estimates the cost of fitting a field to a drawing, and of drawing it.
+/// @param pixels  of the drawing; 0: there are only outlines
+Estimate field_cost(const HalftoneRequest& request, double sites, double pixels) {
+    constexpr Estimate kFit{54, 0.05 * kMicrosecond}, kFitOfChannel{8, 0.3 * kMicrosecond};
+    constexpr Estimate kDrawn{6, 0.2 * kMicrosecond}, kDrawnChannel{2, 0.05 * kMicrosecond},
+        kSite{400, 4 * kMicrosecond};
+    const double cells = std::max(sites * kPixelsOfPitch * kPixelsOfPitch, planned_cells(request, sites));
+    const double fitted = pixels > 0 ? std::min(pixels, cells) : cells;
+    const double channels = channels_of(request);
+    return (kFit + kFitOfChannel * channels) * fitted + (kDrawn + kDrawnChannel * channels) * pixels + kSite * sites;
 }
 
-/// Estimates the cost of sharpening the coverage, one ink at a time. For dots on both sides of the tonal scale, returns
-/// grounds_cost() instead.
+/// Estimates the cost of sharpening the coverage, one ink at a time, or of planning a field.
 Estimate sharpening_cost(const HalftoneRequest& request, double sites) {
-    if (request.dots == Dots::Both) return grounds_cost(request, sites);
+    if (request.dots == Dots::Both) return field_plan_cost(request, sites);
     if (!(request.detail > 0)) return {};
     constexpr double kTime = 0.05 * kMicrosecond;
     const auto pixels = static_cast<double>(request.image.header.pixels());
@@ -131,11 +124,10 @@ Estimate decoding_cost(const HalftoneRequest& request) {
            Estimate{0, (pixels + kTable * inks_of(request) * inks_of(request)) * kSeparating};
 }
 
-/// Estimates the cost of the density grids: one for each ink or kind of dots and, if there are several, one for their
-/// sum.
+/// Estimates the cost of the density grids: one for each ink and, if there are several, one for their sum.
 Estimate densities_cost(const HalftoneRequest& request, double sites) {
     const auto pixels = static_cast<double>(request.image.header.pixels());
-    if (has_channels(request)) return density_cost(planned_cells(request, sites) * (kinds_of_dots(request) * 1.2 + 1));
+    if (request.dots == Dots::Both) return density_cost(planned_cells(request, sites));
     const double inks = inks_of(request);
     return density_cost(pixels * (inks > 1 ? inks * 1.2 + 1 : 1));
 }
@@ -143,7 +135,9 @@ Estimate densities_cost(const HalftoneRequest& request, double sites) {
 /// Estimates the cost of the polishing steps that only several inks need: pushes between dots of different inks, and
 /// the comparison of the simulated print with the picture.
 Estimate ink_polish_cost(const HalftoneRequest& request, const Options& options) {
-    if (inks_of(request) < 2 || options.quality == Quality::Draft || options.iterations == 0) return {};
+    if (inks_of(request) < 2 || request.dots == Dots::Both || options.quality == Quality::Draft ||
+        options.iterations == 0)
+        return {};
     const auto sites = static_cast<double>(options.sites);
     return {sites * 750, sites * (options.quality == Quality::Best ? 36 : 12) * kMicrosecond};
 }
@@ -191,7 +185,8 @@ bool is_thin(const HalftoneRequest& request, std::size_t dots) {
 /// of solid ink. Dots overlap in such a picture; their total area is twice the area of the picture.
 double max_dots(const HalftoneRequest& request, const Limits& limits) {
     if (request.sites) return static_cast<double>(*request.sites);
-    const double ink = static_cast<double>(request.image.header.pixels()) * inks_of(request);
+    const double inks = request.dots == Dots::Both ? 1 : inks_of(request);
+    const double ink = static_cast<double>(request.image.header.pixels()) * inks;
     const auto usual = static_cast<double>(usual_sites(request, header_size(request), ink, 1, limits));
     if (!request.dot) return usual;
     const auto filling = [&](double pixels, double radius) {
@@ -203,7 +198,7 @@ double max_dots(const HalftoneRequest& request, const Limits& limits) {
     if (request.dot->millimetres) return filling(ink, radius / *request.drawing.width_mm * shorter_side(request));
     if (request.scale) return filling(ink, radius / *request.scale);
     if (request.on_screen || request.width || request.height)
-        return filling(drawn_pixels(request, limits) * inks_of(request), radius);
+        return filling(drawn_pixels(request, limits) * inks, radius);
     // If the server chooses the number and the scale, dots have a radius below this limit, in output pixels.
     constexpr double kLargest = 6;
     return filling(std::max(usual * kLargest * kLargest * std::numbers::pi, ink), radius);
@@ -229,6 +224,7 @@ Estimate supersampling_cost(const HalftoneRequest& request, double sites, double
 
 /// Estimates the cost of drawing dots. The rasters of inks that mix are kept until they are combined.
 Estimate rasters_cost(const HalftoneRequest& request, double sites, double pixels, bool antialias) {
+    if (request.dots == Dots::Both) return field_cost(request, sites, request.format->raster() != nullptr ? pixels : 0);
     const Estimate one =
         raster_cost(sites, pixels, radius_of(request, pixels), antialias) + supersampling_cost(request, sites, pixels);
     if (request.palette.mixing == Mixing::Cover) return one;
@@ -247,7 +243,10 @@ double largest_radius(const HalftoneRequest& request, double sites) {
 
 Estimate writing_cost(const HalftoneRequest& request, double sites, const Limits& limits) {
     const PointFormat& format = *request.format;
-    if (!format.is_drawn()) return format.per_site * sites;
+    if (!format.is_drawn()) {
+        const bool has_areas = request.dots == Dots::Both && std::get<ListWriter>(format.writer).has_areas;
+        return format.per_site * sites + (has_areas ? field_cost(request, sites, 0) : Estimate{});
+    }
     const double pixels = drawn_pixels(request, limits);
     const bool antialias = request.antialias || format.raster() == nullptr;
     return drawing_cost(format, rasters_cost(request, sites, pixels, antialias), sites, pixels) +
@@ -260,8 +259,7 @@ Cost cost_of(const HalftoneRequest& request, const Limits& limits) {
     const double sites = max_dots(request, limits);
     const Estimate read =
         then(decoding_cost(request) + levels_cost(request) + cropping_cost(request), sharpening_cost(request, sites));
-    const Estimate placed =
-        densities_cost(request, sites) + placing_cost(request, sites) + dot_sizes_cost(request, sites);
+    const Estimate placed = densities_cost(request, sites) + placing_cost(request, sites);
     Cost all = total_cost(then(then(read, placed), writing_cost(request, sites, limits)));
     all.answer = request.sites.value_or(0) * request.format->least;
     return all;
@@ -286,7 +284,9 @@ std::size_t usual_sites(const HalftoneRequest& request, PictureSize part, double
         const std::size_t limit = std::min(most, limits.max_sites);
         if (!request.on_screen) return default_sites(ink, fineness, limit);
         const Canvas canvas = *settled_canvas(request, part, limits);
-        return sites_of_drawing(ink, fineness, canvas.scale, static_cast<double>(canvas.width) * canvas.height, limit);
+        const double radius = request.dots == Dots::Both ? kRadiusOfField : kRadiusOfDiscs;
+        const double pixels = static_cast<double>(canvas.width) * canvas.height;
+        return sites_of_drawing(ink, fineness, canvas.scale, pixels, radius, limit);
     };
     const std::size_t usual = max_dots_in(in_time);
     return is_thin(request, usual) ? std::min(usual, max_dots_in(in_time / kThin)) : usual;

@@ -70,7 +70,8 @@ bool has_screen_radius(const HalftoneRequest& request) {
 
 /// Returns the radius that follows from the size of the drawing, in pixels of the picture.
 double screen_radius(const Canvas& canvas, double fineness) {
-    return radius_of_drawing(static_cast<double>(canvas.width) * canvas.height, fineness) / canvas.scale;
+    return radius_of_drawing(static_cast<double>(canvas.width) * canvas.height, fineness, kRadiusOfField) /
+           canvas.scale;
 }
 
 /// Estimates the radius of dots, in pixels of the picture.
@@ -91,6 +92,19 @@ double rough_radius(const HalftoneRequest& request, PictureSize size, double ink
     return picture_radius(request, size, canvas ? canvas->scale : chosen);
 }
 
+/// Returns the cells in which a picture is separated: as fine as dots can show. The field of a drawing has no use for
+/// cells that are smaller than the drawing's pixels.
+CellGrid separation_cells(const HalftoneRequest& request, PictureSize size, double radius, const Limits& limits) {
+    constexpr int kFewest = 64;  // least number along a side
+    CellGrid cells = resolved_cells(size.width, size.height, radius);
+    const auto canvas = settled_canvas(request, size, limits);
+    if (request.dots == Dots::Both && request.format->raster() != nullptr && canvas) {
+        cells.columns = std::min(cells.columns, std::max(canvas->width, kFewest));
+        cells.rows = std::min(cells.rows, std::max(canvas->height, kFewest));
+    }
+    return cells;
+}
+
 /// Returns the side, in pixels, of the squares of pixels that decoding may replace with their mean. Assumes that ink
 /// covers at least a quarter of the picture, which makes dots too large to show the lost detail. Decoded::does_for()
 /// checks this after decoding. Returns 1, which means no replacement, if a step before the separation is not linear in
@@ -107,7 +121,7 @@ int reducible(const HalftoneRequest& request, const Limits& limits) {
     if (!is_linear || pixels < kMinPixels || (request.dot && !request.sites)) return 1;
     const std::size_t sites = request.sites ? *request.sites : usual_sites(request, part, pixels, 1, limits);
     const double radius = std::sqrt(kInk * pixels / (std::numbers::pi * static_cast<double>(sites)));
-    const CellGrid cells = resolved_cells(part.width, part.height, radius);
+    const CellGrid cells = separation_cells(request, part, radius, limits);
     int side = std::min({part.width / cells.columns, part.height / cells.rows, Reading::kMaxReduced});
     while (width % side != 0 || height % side != 0) --side;
     return side;
@@ -170,7 +184,7 @@ std::optional<SeparatedPicture> separate_grey(const Decoded<Picture>& decoded, c
     const double ink = drawn_share(all, request, executor) * decoded.side * decoded.side;
     std::vector<float>& coverage = all.front();
     const double radius = rough_radius(request, separated.size, ink, separated.fineness, limits);
-    separated.cells = resolved_cells(separated.size.width, separated.size.height, radius);
+    separated.cells = separation_cells(request, separated.size, radius, limits);
     if (!decoded.does_for(separated.cells, request, ink, limits)) return std::nullopt;
     if (separated.cells != CellGrid{picture.width, picture.height})
         coverage = reduced(coverage, picture.width, picture.height, separated.cells, executor);
@@ -178,15 +192,10 @@ std::optional<SeparatedPicture> separate_grey(const Decoded<Picture>& decoded, c
     return separated;
 }
 
-/// Returns whether dots on both sides of the tonal scale flip channels of light, instead of custom inks of a palette.
-bool flips_light(const HalftoneRequest& request) {
-    return request.dots == Dots::Both && (request.palette.mixing != Mixing::Multiply || is_cmyk(request.palette.inks));
-}
-
-/// Separates a picture into inks, or into channels of light if flips_light().
+/// Separates a picture into inks or, for Dots::Both, into red, green and blue.
 Separation separate(const ColourPicture& picture, const HalftoneRequest& request, const Control& control) {
     const InkSet inks = ink_set(request.palette);
-    if (flips_light(request)) return {channel_coverage(picture, inks, request.tone, *control.executor), {}};
+    if (request.dots == Dots::Both) return {channel_coverage(picture, inks, request.tone, *control.executor), {}};
     return separate(picture, inks, request.tone, control.stop, *control.executor);
 }
 
@@ -209,7 +218,7 @@ std::optional<SeparatedPicture> separate_colours(Decoded<ColourPicture> decoded,
     SeparatedPicture separated{decoded.size(), {}, {}, decoded.detail(request, executor)};
     const double ink = rough_ink(picture, request, control) * decoded.side * decoded.side;
     const double radius = rough_radius(request, separated.size, ink, separated.fineness, limits);
-    separated.cells = resolved_cells(separated.size.width, separated.size.height, radius);
+    separated.cells = separation_cells(request, separated.size, radius, limits);
     if (!decoded.does_for(separated.cells, request, ink, limits)) return std::nullopt;
     if (separated.cells != CellGrid{picture.width, picture.height})
         picture = reduced(picture, separated.cells, executor);
@@ -298,19 +307,24 @@ Result<Canvas> plan_canvas(const HalftoneRequest& request, const HalftonePlan& p
 /// Returns none if the radius follows from the number of dots.
 std::optional<double> requested_radius(const HalftoneRequest& request, const HalftonePlan& plan, double fineness) {
     if (has_screen_radius(request)) return screen_radius(plan.canvas, fineness);
+    const DrawingOptions& drawing = request.drawing;
+    if (drawing.style == DotStyle::Path && !drawing.pen_follows && drawing.width_mm)
+        return drawing.pen_mm / 2 / *drawing.width_mm * plan.picture.width;
     if (!request.dot) return std::nullopt;
     return picture_radius(request, plan.picture, plan.canvas.scale);
 }
 
 /// Returns the requested number of sites, or the number of dots that follows from the radius.
-Result<std::size_t> sites_of(const std::optional<std::size_t>& requested, double dots, const Limits& limits) {
+/// @param field  Error::field of the error that there would be too many
+Result<std::size_t> sites_of(const std::optional<std::size_t>& requested, double dots, const std::string& field,
+                             const Limits& limits) {
     if (requested) return *requested;
     const double sum = std::round(dots);
     if (sum <= static_cast<double>(limits.max_sites)) return static_cast<std::size_t>(std::max(sum, 1.0));
     return failure(ErrorCode::LimitExceeded,
-                   "the number of dots of this radius would exceed this server's limit (max-sites), which is " +
+                   "the number of dots of this size would exceed this server's limit (max-sites), which is " +
                        std::to_string(limits.max_sites),
-                   "dot");
+                   field);
 }
 
 /// Returns whether the number of dots is proportional to the area that dots should cover, without regard to overlaps.
@@ -319,17 +333,26 @@ bool is_proportional(const HalftoneRequest& request) {
     return request.tone == Tone::Density || request.run.iterations == 0;
 }
 
+/// Returns what a drawing draws at its sites.
+Mark mark_of(const HalftoneRequest& request) {
+    return request.drawing.style == DotStyle::Path ? Mark::Line : Mark::Disc;
+}
+
 /// Returns the maximum number of dots: the limit of the server or, with the option `minutes`, the number of dots that a
 /// plotter draws in the given time.
 Result<std::size_t> max_dots(const HalftoneRequest& request, const SeparatedPicture& picture, const Limits& limits,
                              Executor& executor) {
     if (!request.minutes) return limits.max_sites;
     const double unit = *request.drawing.width_mm / picture.size.width;
+    const CoverageCurve line(Mark::Line);
     PlotInk ink;
     for (const std::vector<float>& coverage : picture.inks.coverage) {
-        ink.area += sum(coverage, executor);
-        ink.spread += sum_of_pixels(executor, coverage.size(),
-                                    [&](std::size_t i) { return std::sqrt(static_cast<double>(coverage[i])); });
+        const auto density = [&](std::size_t i) {
+            const auto share = static_cast<double>(coverage[i]);
+            return mark_of(request) == Mark::Line ? line.dots(share) : share;
+        };
+        ink.area += sum_of_pixels(executor, coverage.size(), density);
+        ink.spread += sum_of_pixels(executor, coverage.size(), [&](std::size_t i) { return std::sqrt(density(i)); });
     }
     const double cell = picture.cell_area() * unit * unit;
     std::optional<double> radius;
@@ -355,7 +378,8 @@ Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, Sep
         return {};
     }
     const double side = std::sqrt(picture.cell_area());
-    DotRequest wanted{request.sites, plan.radius, request.detail};
+    const bool has_pen = request.drawing.width_mm.has_value();
+    DotRequest wanted{request.sites, plan.radius, request.detail, mark_of(request), has_pen};
     if (!plan.radius) wanted.sites = usual;
     if (plan.radius) wanted.radius = *plan.radius / side;
     // Number of dots if none overlapped; overlaps make the number larger.
@@ -372,57 +396,73 @@ Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, Sep
     const double share = drawn < needed ? drawn / needed : 1;
     plan.tone = std::round(dots.tone * share * kToneDigits) / kToneDigits;
     plan.samples = samples_for(*plan.radius * plan.canvas.scale, plan.canvas, request.antialias);
-    auto sites = sites_of(wanted.sites, drawn, limits);
+    auto sites = sites_of(wanted.sites, drawn, wanted.mark == Mark::Line ? "pen" : "dot", limits);
     if (!sites) return tl::unexpected(sites.error());
     plan.sites = share_sites(dots.dots, *sites);
+    if (dots.shows_contrast) {
+        plan.warnings.push_back({request.field_of("sites"),
+                                 "so few small dots cannot reach half of the tone: they show local contrast instead"});
+    }
     return {};
 }
 
-/// Plans dots on both sides of the tonal scale. The dots flip channels, which are either inks or light.
-TwoSidedPlan plan_sides(const HalftoneRequest& request, SeparatedPicture& picture, const TwoSidedOptions& options,
-                        const Control& control) {
-    auto coverage = std::move(picture.inks.coverage);
-    if (!flips_light(request)) {
-        return plan_two_sided({std::move(coverage), std::move(picture.inks.light)},
-                              toned(ink_set(request.palette), request.tone), picture.cells, options, control.stop,
-                              *control.executor);
-    }
-    for (std::vector<float>& channel : coverage) {
-        for_ranges(*control.executor, channel.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) channel[i] = 1 - channel[i];
-        });
-    }
-    return plan_two_sided(std::move(coverage), picture.cells, options, control.stop, *control.executor);
+/// Returns whether a drawing by one field has custom inks, whose mixtures need sets of inks.
+bool has_sets(const Palette& palette) {
+    return palette.mixing == Mixing::Multiply && !is_cmyk(palette.inks);
 }
 
-/// Determines the grounds, and the number and sizes of dots on both sides of the tonal scale.
-/// @param minority  area that dots have to draw, in pixels of the picture. If every part of the picture is bare paper
-///                  or solid ink, the area is 0: the grounds draw the picture, and there are no dots.
-/// @param usual     number of sites to use unless the number follows from the radius
-Result<void> settle_two_sides(const HalftoneRequest& request, HalftonePlan& plan, SeparatedPicture& picture,
-                              double minority, std::size_t usual, const Limits& limits, const Control& control) {
-    // Smallest radii, in output pixels, that a raster draws well: kMinRadius without antialiasing, kMinSoftRadius
-    // with it.
-    constexpr double kMinRadius = 1.25, kMinSoftRadius = 0.6;
-    const double side = std::sqrt(picture.cell_area());
-    TwoSidedOptions options{request.sites, {}, request.detail, 0};
-    if (const auto radius = requested_radius(request, plan, picture.fineness)) options.radius = *radius / side;
+/// Plans a drawing by one field.
+FieldPlan plan_field(const HalftoneRequest& request, SeparatedPicture& picture, const FieldOptions& options,
+                     const Control& control) {
+    std::vector<std::vector<float>> light = std::move(picture.inks.coverage);
+    Light paper{1, 1, 1};
+    InkSet inks;
+    if (has_sets(request.palette)) {
+        inks = toned(ink_set(request.palette), request.tone);
+        paper = inks.paper;
+    }
+    const std::array<float, 3> full{paper.red, paper.green, paper.blue};
+    for (std::size_t c = 0; c < light.size(); ++c) {
+        for_pixels(*control.executor, light[c].size(),
+                   [&](std::size_t i) { light[c][i] = full[c] * (1 - light[c][i]); });
+    }
+    if (!has_sets(request.palette))
+        return plan_field(std::move(light), picture.cells, options, control.stop, *control.executor);
+    return plan_field({std::move(light[0]), std::move(light[1]), std::move(light[2])}, inks, picture.cells, options,
+                      control.stop, *control.executor);
+}
+
+/// Returns the smallest area of a dot or a hole that a drawing shows well, in pixels of the picture.
+double least_area(const HalftoneRequest& request, const HalftonePlan& plan) {
+    constexpr double kPixels = 2, kDiameter = 0.1;  // pixels of a drawing without antialiasing; millimetres of a print
+    const double pixel = 1 / plan.canvas.scale;
+    if (request.format->raster() != nullptr) return request.antialias ? 0 : kPixels * pixel * pixel;
+    if (!request.drawing.width_mm) return 0;
+    const double diameter = kDiameter / *request.drawing.width_mm * plan.picture.width;
+    return std::numbers::pi / 4 * diameter * diameter;
+}
+
+/// Plans a drawing by one field, and determines the number of its sites. If every part of the picture is bare paper or
+/// solid ink, there are no sites.
+/// @param usual  number of sites to use unless the number follows from the radius
+Result<void> settle_field(const HalftoneRequest& request, HalftonePlan& plan, SeparatedPicture& picture,
+                          std::size_t usual, const Limits& limits, const Control& control) {
+    const double cell = picture.cell_area();
+    FieldOptions options{request.sites, {}, request.detail, least_area(request, plan) / cell};
+    if (const auto radius = requested_radius(request, plan, picture.fineness))
+        options.radius = *radius / std::sqrt(cell);
     if (!options.radius) options.sites = usual;
-    if (request.format->raster() != nullptr)
-        options.min_radius = (request.antialias ? kMinSoftRadius : kMinRadius) / plan.canvas.scale / side;
     if (has_screen_radius(request))  // at most as many dots as in a picture of solid ink
         options.max_sites = usual_sites(request, plan.picture, all_pixels(plan.picture), 1, limits);
-    plan.two_sides = plan_sides(request, picture, options, control);
+    plan.field = plan_field(request, picture, options, control);
     if (auto going = check_stop(control.stop); !going) return going;
-    auto sites = sites_of(options.sites, plan.two_sides->dots, limits);
+    const bool is_drawn = plan.field->sites > 0;
+    auto sites = sites_of(options.sites, plan.field->sites, "dot", limits);
     if (!sites) return tl::unexpected(sites.error());
-    const double dots = minority > 0 ? plan.two_sides->dots : 0;
-    std::vector<double> shares;
-    for (const KindOfDots& kind : plan.two_sides->kinds) shares.push_back(kind.share);
-    plan.sites = share_sites(shares, dots > 0 ? *sites : 0);
-    plan.radius = plan.two_sides->radius * side;
-    if (dots > 0) plan.tone = request.sites && request.dot ? static_cast<double>(*sites) / dots : 1;
-    plan.samples = dots > 0 ? samples_for(*plan.radius * plan.canvas.scale, plan.canvas, request.antialias) : 1;
+    plan.sites = {is_drawn ? *sites : 0};
+    plan.field->sites = static_cast<double>(plan.sites.front());
+    plan.radius = plan.field->radius * std::sqrt(cell);
+    if (is_drawn) plan.tone = 1;
     return {};
 }
 
@@ -446,39 +486,18 @@ std::vector<Warning> warnings_of(const HalftoneRequest& request) {
     return {{request.image_field, std::move(frame)}};
 }
 
-/// Creates a density for each ink or kind of dots that has sites. Any other ink or kind gets a uniform density.
-/// Frees the coverage of each ink.
-Result<std::vector<Density>> make_densities(const HalftonePlan& plan, SeparatedPicture& picture) {
+/// Creates a density for each ink that has sites. Any other ink gets a uniform density. Frees the coverage of each ink.
+Result<std::vector<Density>> make_densities(HalftonePlan& plan, SeparatedPicture& picture) {
     std::vector<Density> densities(plan.sites.size(), Density::uniform());
     for (std::size_t ink = 0; ink < plan.sites.size(); ++ink) {
-        const auto coverage = plan.two_sides ? std::vector<float>{} : std::exchange(picture.inks.coverage[ink], {});
+        const auto values = plan.field ? std::vector<float>{} : std::exchange(picture.inks.coverage[ink], {});
         if (plan.sites[ink] == 0) continue;
-        const std::span<const float> values = plan.two_sides ? plan.two_sides->kinds[ink].density : coverage;
-        const CellGrid& cells = plan.two_sides ? plan.two_sides->dot_cells : picture.cells;
-        auto density = Density::grid(cells.columns, cells.rows, values);
+        auto density = Density::grid(picture.cells.columns, picture.cells.rows,
+                                     std::span<const float>(plan.field ? plan.field->density : values));
         if (!density) return tl::unexpected(density.error());
         densities[ink] = *std::move(density);
     }
     return densities;
-}
-
-/// Chooses the radius of each dot, in pixels of the picture, for dots on both sides of the tonal scale.
-/// @param placed  [kinds]
-/// @returns       [kinds]
-std::vector<SizedDots> size_dots(const HalftoneRequest& request, const HalftonePlan& plan,
-                                 std::span<const Distribution> placed, const Control& control) {
-    std::vector<std::vector<Point>> sites;
-    for (const Distribution& kind : placed) sites.push_back(kind.points);
-    const Point size{static_cast<double>(plan.picture.width), static_cast<double>(plan.picture.height)};
-    const bool fit = !(request.sites && request.dot);
-    std::vector<SizedDots> dots =
-        size_dots_in_pixels(*plan.two_sides, size, std::move(sites), fit, control.stop, *control.executor);
-    if (request.palette.mixing != Mixing::Add) return dots;
-    for (SizedDots& kind : dots) {
-        for (std::uint8_t& white : kind.white)
-            white ^= static_cast<std::uint8_t>(kinds_of(plan.two_sides->channels.size()));
-    }
-    return dots;
 }
 
 }  // namespace
@@ -511,7 +530,7 @@ Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits&
     if (auto checked = request.format->check_side(*canvas, option, option); !checked)
         return tl::unexpected(checked.error());
     auto settled = request.dots == Dots::Both
-                       ? settle_two_sides(request, plan, *picture, all_ink, usual, limits, control)
+                       ? settle_field(request, plan, *picture, usual, limits, control)
                        : settle_dots(request, plan, *picture, ink, usual, *most, limits, control);
     if (!settled) return tl::unexpected(settled.error());
     plan.proof = make_proof(request, plan, picture->cells, std::exchange(separation.light, {}), *control.executor);
@@ -521,16 +540,15 @@ Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits&
     return plan;
 }
 
-Result<PlacedDots> place_dots(const HalftoneRequest& request, HalftonePlan& plan, const Control& control) {
+Result<std::vector<Distribution>> place_dots(const HalftoneRequest& request, HalftonePlan& plan,
+                                             const Control& control) {
     const std::vector<Density> densities = std::exchange(plan.densities, {});
     const auto domain = Domain::rectangle(plan.picture.width, plan.picture.height);
     if (!domain) return tl::unexpected(domain.error());
-    PlacedDots placed;
-    if (plan.two_sides && std::ranges::all_of(plan.sites, [](std::size_t sites) { return sites == 0; })) {
-        placed.inks.resize(plan.sites.size());
-        for (Distribution& each : placed.inks) each.trace = {0};
-        placed.sized.resize(plan.sites.size());
-        return placed;
+    if (plan.field && plan.sites.front() == 0) {
+        std::vector<Distribution> none(1);
+        none.front().trace = {0};
+        return none;
     }
     Retouch retouch;
     if (plan.proof) {
@@ -546,9 +564,7 @@ Result<PlacedDots> place_dots(const HalftoneRequest& request, HalftonePlan& plan
         if (auto whole = check_whole(each.stopped, request.on_deadline); !whole)
             return about_image(whole.error(), request);
     }
-    placed.inks = *std::move(dots);
-    if (plan.two_sides) placed.sized = size_dots(request, plan, placed.inks, control);
-    return placed;
+    return dots;
 }
 
 }  // namespace ccdt::api

@@ -10,10 +10,9 @@
 #include "api/output/json_writer.h"
 #include "core/ccdt/ccdt.h"
 #include "core/density/density.h"
-#include "core/halftone/dot_fit.h"
 #include "core/halftone/dots.h"
+#include "core/halftone/field_plan.h"
 #include "core/halftone/print_proof.h"
-#include "core/halftone/two_sided.h"
 #include "core/result.h"
 
 namespace ccdt::api {
@@ -28,11 +27,11 @@ struct HalftonePlan {
     /// their number ignores overlaps.
     std::optional<double> tone;
     int samples = 0;                 ///< samples along each side of a pixel, as in DotOptions
-    std::vector<std::size_t> sites;  ///< [inks] or, if `two_sides` is set, [kinds]: number of dots
-    std::vector<Density> densities;  ///< [inks] or [kinds]: density of the dots; uniform if there are no dots
+    std::vector<std::size_t> sites;  ///< [inks] number of dots; for Dots::Both, one number for all inks
+    std::vector<Density> densities;  ///< as `sites`; uniform if there are no dots
     std::optional<PrintProof>
         proof;  ///< simulated print for polishing several inks together; none if the polish does not need it
-    std::optional<TwoSidedPlan> two_sides;  ///< only for dots on both sides of the tonal scale
+    std::optional<FieldPlan> field;  ///< only for Dots::Both
     Canvas canvas;
     std::vector<Warning> warnings;
 
@@ -46,18 +45,10 @@ struct HalftonePlan {
 Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
                                    const Control& control);
 
-/// Dots after placement. Kinds are those of TwoSidedPlan: the dots of a kind flip the same channels.
-struct PlacedDots {
-    std::vector<Distribution> inks;  ///< [inks] or, for dots on both sides of the tonal scale, [kinds]
-    /// [kinds] For Dots::Both: the radii, in pixels of the picture, and the ground under each dot. Empty for other
-    /// dots. Bit c of SizedDots::white is set if the ground under the dot has no ink of channel c or, with
-    /// Mixing::Add, no light of channel c.
-    std::vector<SizedDots> sized;
-};
-
-/// Distributes the dots of each ink or kind. Moves the densities out of the plan, and frees their memory at the end.
-/// Errors: those of distribute_inks(), with the field of the image; Stopped, unless the request accepts a partial
-/// result.
-Result<PlacedDots> place_dots(const HalftoneRequest& request, HalftonePlan& plan, const Control& control);
+/// Distributes the dots of each ink. Moves the densities out of the plan, and frees their memory at the end. Errors:
+/// those of distribute_inks(), with the field of the image; Stopped, unless the request accepts a partial result.
+/// @returns  as HalftonePlan::sites
+Result<std::vector<Distribution>> place_dots(const HalftoneRequest& request, HalftonePlan& plan,
+                                             const Control& control);
 
 }  // namespace ccdt::api

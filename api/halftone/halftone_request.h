@@ -28,12 +28,11 @@ struct DotRadius {
     bool millimetres = false;
 };
 
-/// Sides of the tonal scale on which dots are drawn.
+/// What the dots of a halftone are.
 enum class Dots {
-    Both,   ///< where the picture is light, ink dots on white ground; where it is dark, dots of bare paper on black
-            ///< ground
-    Ink,    ///< ink dots on paper
-    Paper,  ///< light dots, which draw the light parts of the picture, on black
+    Both,   ///< areas of ink, drawn by one field: dots in the light, holes in the dark, a net in the middle
+    Ink,    ///< discs of ink on paper
+    Paper,  ///< light discs, which draw the light parts of the picture, on black
 };
 
 /// Request to /halftone, with its options.

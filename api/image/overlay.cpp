@@ -8,6 +8,7 @@
 
 #include "api/image/ink_set.h"
 #include "api/image/srgb.h"
+#include "core/halftone/ink_mixture.h"
 #include "core/halftone/pixel_ranges.h"
 
 namespace ccdt::api {
@@ -33,13 +34,6 @@ public:
         const auto alone = [bare](float seen) { return bare < 1 ? (seen - bare) / (1 - bare) : 1; };
         return {store(alone(light.red)), store(alone(light.green)), store(alone(light.blue)),
                 static_cast<std::uint8_t>(255 * (1 - bare) + 0.5F)};
-    }
-
-    /// Returns the light of an area on which all inks of a set are printed. Bit i stands for ink i.
-    Light light_of(std::size_t inks) const {
-        std::array<float, kMaxInks> cover{};
-        for (std::size_t ink = 0; ink < inks_.inks.size(); ++ink) cover[ink] = static_cast<float>(inks >> ink & 1);
-        return printed(inks_, std::span(cover).first(inks_.inks.size()));
     }
 
 private:
@@ -119,73 +113,6 @@ DotImage cover(Raster raster, const Palette& palette, bool antialias, Executor& 
     return picture;
 }
 
-/// Computes the mean light of a pixel. Each ink has two shares of the pixel: the share in which the ground has the ink,
-/// and the share in which dots flip the ink. The grounds of different inks are assumed to be independent of each other
-/// and of the flipped areas. The flipped areas are assumed to be nested; see overlay_flipped().
-class FlippedPixel {
-public:
-    FlippedPixel(std::size_t inks, const PrintedColour& colour_of) : inks_(inks) {
-        for (std::size_t there = 0; there < std::size_t{1} << inks; ++there) lights_[there] = colour_of.light_of(there);
-    }
-
-    void set(std::span<const Raster> flipped, std::span<const Raster> grounds, std::size_t pixel) {
-        light_ = {};
-        bare_ = 0;
-        for (std::size_t ink = 0; ink < inks_; ++ink) {
-            flipped_[ink] = flipped[ink].coverage[pixel];
-            ground_[ink] = grounds[ink].coverage[pixel];
-            order_[ink] = ink;
-        }
-        // Insertion sort is fast here, because most pixels have dots of at most one kind. It is stable, so inks with
-        // equal shares stay in order.
-        for (std::size_t i = 1; i < inks_; ++i) {
-            for (std::size_t j = i; j > 0 && flipped_[order_[j]] > flipped_[order_[j - 1]]; --j)
-                std::swap(order_[j], order_[j - 1]);
-        }
-        add_grounds(0, 0, 1);
-    }
-
-    const Light& light() const { return light_; }
-    float bare() const { return bare_; }
-
-private:
-    /// Adds the light of all combinations of grounds with and without the inks from `ink` on.
-    /// @param ground  inks before `ink` that the ground has, as bits
-    /// @param weight  share of the pixel that has exactly the ground `ground`
-    void add_grounds(std::size_t ink, std::size_t ground, float weight) {
-        if (ink == inks_) return add_parts(ground, weight);
-        const unsigned share = ground_[ink];
-        if (share < 255) add_grounds(ink + 1, ground, weight * static_cast<float>(255 - share) / 255);
-        if (share > 0) add_grounds(ink + 1, ground | std::size_t{1} << ink, weight * static_cast<float>(share) / 255);
-    }
-
-    /// Adds the light of the part of a pixel whose ground has exactly the inks `there`. Divides this part into areas:
-    /// in the first one no ink is flipped, in the second one order_[0], in the third one order_[0] and order_[1], and
-    /// so on.
-    void add_parts(std::size_t there, float weight) {
-        unsigned upper = 255;
-        for (std::size_t i = 0; i <= inks_; ++i) {
-            const unsigned lower = i < inks_ ? flipped_[order_[i]] : 0;
-            if (upper > lower) add(there, weight * static_cast<float>(upper - lower) / 255);
-            upper = lower;
-            if (i < inks_) there ^= std::size_t{1} << order_[i];
-        }
-    }
-
-    void add(std::size_t there, float share) {
-        const Light& light = lights_[there];
-        light_ = {light_.red + share * light.red, light_.green + share * light.green, light_.blue + share * light.blue};
-        if (there == 0) bare_ += share;
-    }
-
-    std::size_t inks_;
-    std::array<Light, std::size_t{1} << kMaxInks> lights_{};
-    std::array<unsigned, kMaxInks> flipped_{}, ground_{};
-    std::array<std::size_t, kMaxInks> order_{};
-    Light light_;
-    float bare_ = 0;
-};
-
 }  // namespace
 
 bool DotImage::is_bilevel() const {
@@ -214,22 +141,39 @@ DotImage overlay(std::vector<Raster> rasters, const Palette& palette, bool antia
     return picture;
 }
 
-DotImage overlay_flipped(std::span<const Raster> flipped, std::span<const Raster> grounds, const Palette& palette,
-                         const std::stop_token& stop, Executor& executor) {
+DotImage overlay_sets(std::span<const Raster> boundaries, std::span<const unsigned> sets, const Palette& palette,
+                      bool antialias, const std::stop_token& stop, Executor& executor) {
     const PrintedColour colour_of(palette);
+    std::vector<Light> lights;
+    for (const unsigned set : sets) lights.push_back(light_of_set(ink_set(palette), set));
     DotImage picture;
-    picture.width = flipped.front().width;
-    picture.height = flipped.front().height;
+    picture.width = boundaries.front().width;
+    picture.height = boundaries.front().height;
     picture.transparent = palette.paper.transparent;
-    const std::size_t pixels = flipped.front().coverage.size(), channels = picture.channels();
+    if (!antialias) fill_palette(picture, palette.inks.size(), colour_of);
+    const std::size_t pixels = boundaries.front().coverage.size(), channels = picture.channels();
     picture.pixels.resize(pixels * channels);
+    const auto mixed = [&](std::size_t pixel) {
+        Light light;
+        float bare = 0;
+        for_sets(boundaries, pixel, [&](std::size_t set, unsigned covered) {
+            const float share = static_cast<float>(covered) / 255;
+            const auto& [red, green, blue] = lights[set];
+            light = {light.red + share * red, light.green + share * green, light.blue + share * blue};
+            if (sets[set] == 0) bare += share;
+        });
+        return colour_of(light, bare);
+    };
     for_ranges(executor, pixels, kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
         if (stop.stop_requested()) return;
-        FlippedPixel pixel(flipped.size(), colour_of);
         for (std::size_t i = begin; i < end; ++i) {
-            pixel.set(flipped, grounds, i);
-            std::copy_n(colour_of(pixel.light(), pixel.bare()).begin(), channels,
-                        picture.pixels.begin() + static_cast<std::ptrdiff_t>(i * channels));
+            if (antialias) {
+                std::copy_n(mixed(i).begin(), channels,
+                            picture.pixels.begin() + static_cast<std::ptrdiff_t>(i * channels));
+            } else {
+                for_sets(boundaries, i,
+                         [&](std::size_t set, unsigned) { picture.pixels[i] = static_cast<std::uint8_t>(sets[set]); });
+            }
         }
     });
     return picture;

@@ -47,13 +47,22 @@ struct DotImage {
 DotImage overlay(std::vector<Raster> rasters, const Palette& palette, bool antialias, const std::stop_token& stop = {},
                  Executor& executor = inline_executor());
 
-/// Combines antialiased dots of inks that multiply. Each dot flips some inks: it removes such an ink where the ground
-/// has the ink, and adds the ink elsewhere. All inks that a dot flips share the rim of the dot. So the areas of a pixel
-/// in which different inks are flipped are assumed to be nested.
-///
-/// @param flipped  [inks] share of each pixel in which dots flip the ink
-/// @param grounds  [inks] share of each pixel in which the ground has the ink
-DotImage overlay_flipped(std::span<const Raster> flipped, std::span<const Raster> grounds, const Palette& palette,
-                         const std::stop_token& stop = {}, Executor& executor = inline_executor());
+/// Calls function(set, share) for each set of inks that covers a part of a pixel. The share is at most 255.
+/// @param boundaries  [sets - 1] share of each pixel that the sets up to this one cover together; ascending
+template <class Function>
+void for_sets(std::span<const Raster> boundaries, std::size_t pixel, const Function& function) {
+    unsigned covered = 0;
+    for (std::size_t set = 0; set <= boundaries.size() && covered < 255; ++set) {
+        const unsigned next = set < boundaries.size() ? boundaries[set].coverage[pixel] : 255;
+        if (next > covered) function(set, next - covered);
+        covered = next;
+    }
+}
+
+/// Combines areas that sets of inks cover, side by side. Inks have the mixing Multiply.
+/// @param sets        inks of each set, as bits
+/// @param boundaries  as for for_sets()
+DotImage overlay_sets(std::span<const Raster> boundaries, std::span<const unsigned> sets, const Palette& palette,
+                      bool antialias, const std::stop_token& stop = {}, Executor& executor = inline_executor());
 
 }  // namespace ccdt::api

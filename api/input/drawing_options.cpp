@@ -50,6 +50,15 @@ Result<void> read_style(const Input& input, DrawingOptions& options) {
     return assign(options.style, read_choice<DotStyle>(input, kStyles));
 }
 
+Result<void> read_closed(const Input& input, DrawingOptions& options) {
+    return assign(options.closed, read_boolean(input));
+}
+
+Result<void> check_closed(const DrawingOptions& options, const std::string& field) {
+    if (!options.closed || options.style == DotStyle::Path) return {};
+    return failure(ErrorCode::Malformed, "closed is an option of style=path only", field);
+}
+
 Result<void> read_pen(const Input& input, DrawingOptions& options) {
     constexpr std::string_view kUnit = "mm";
     Input number = input;

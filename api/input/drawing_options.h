@@ -27,25 +27,20 @@ struct Plotter {
     std::string pen_up = "M5";
 };
 
-/// Division of an SVG with dots on both sides of the tonal scale into layers.
-enum class Layers {
-    Ink,   ///< a layer for each ink
-    Kind,  ///< a layer for the ground, and one for each kind of dots: the dots that flip the same inks
-};
-
 /// Options of drawings that /halftone and /sample share.
 struct DrawingOptions {
     std::optional<double> width_mm = {};  ///< width of the drawing on paper; none: the size is in pixels only
     DotStyle style = DotStyle::Fill;
-    double pen_mm = 0.3;  ///< width of the pen; not used by Fill and Stroke
+    double pen_mm = 0.3;       ///< width of the pen; not used by Fill and Stroke
+    bool closed = false;       ///< whether the line of the style Path ends where it starts
+    bool pen_follows = false;  ///< whether the pen is as wide as the picture needs, in the style Path
     Plotter plotter = {};
-    Layers layers = Layers::Ink;
 
     /// Whether the drawing is made of pen strokes, which can only add ink to the paper.
     bool is_stroked() const { return style != DotStyle::Fill; }
 
     /// Whether the drawing depends on `pen_mm`.
-    bool has_pen_width() const { return style != DotStyle::Fill && style != DotStyle::Stroke; }
+    bool has_pen_width() const { return style != DotStyle::Fill && style != DotStyle::Stroke && !pen_follows; }
 
     /// Whether a pen fills each dot with circles or with the turns of a spiral.
     bool has_turns() const { return style == DotStyle::Circles || style == DotStyle::Spiral; }
@@ -57,6 +52,12 @@ std::string_view name_of(DotStyle style);
 /// Reads the option after which the function is named. Errors: Malformed.
 Result<void> read_width_mm(const Input& input, DrawingOptions& options);
 Result<void> read_style(const Input& input, DrawingOptions& options);
+Result<void> read_closed(const Input& input, DrawingOptions& options);
+
+/// Checks that only lines are closed.
+/// @param field  Error::field of errors, which are about the option `closed`
+/// Errors: Malformed.
+Result<void> check_closed(const DrawingOptions& options, const std::string& field);
 
 /// Reads the width of the pen in millimetres. As text, it may end with the unit `mm`.
 Result<void> read_pen(const Input& input, DrawingOptions& options);

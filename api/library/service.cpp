@@ -23,7 +23,7 @@
 #include "api/text/text.h"
 #include "core/library/conversion.h"
 
-namespace ccdt::v1 {
+namespace ccdt::v2 {
 namespace {
 
 using Options = std::vector<api::TextOption>;
@@ -165,4 +165,4 @@ Answer sample_file(const std::filesystem::path& domain, const std::filesystem::p
     return answer_file(Operation::Sample, domain, output, options, control);
 }
 
-}  // namespace ccdt::v1
+}  // namespace ccdt::v2

@@ -75,7 +75,7 @@ constexpr PointFormat kDxfPoints{{"dxf", "DXF", "dxf", "image/vnd.dxf", ""},
                                  kPathCost,
                                  {},
                                  VectorWriter{plot_points<write_dxf>, {80, 0.3 * kMicrosecond}, true, true}};
-constexpr PointFormat kJsonPoints{kJson, kMinTextBytes, kNumbersCost, {}, ListWriter{false, write_json}};
+constexpr PointFormat kJsonPoints{kJson, kMinTextBytes, kNumbersCost, {}, ListWriter{false, write_json, true}};
 constexpr FileFormat kGeoJson{"geojson", "GeoJSON", "geojson", "application/geo+json", ""};
 constexpr PointFormat kGeoJsonSinglePoints{
     kGeoJson, kMinFeatureBytes, kFeaturesCost, {}, ListWriter{true, write_point_features}, true};

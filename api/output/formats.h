@@ -25,6 +25,7 @@ struct ListWriter {
     /// Whether the same points always give the same bytes. False if the output contains the computing time.
     bool repeats;
     void (&write)(const PointSet& points, const Report& report, Body& body, const std::stop_token& stop);
+    bool has_areas = false;  ///< whether the list has InkDots::areas
 };
 
 /// Writer of drawings as shapes. `write` has the parameters of write_svg().

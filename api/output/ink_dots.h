@@ -9,42 +9,28 @@
 #include "api/input/palette.h"
 #include "core/ccdt/ccdt.h"
 #include "core/geometry/point.h"
-#include "core/halftone/dot_fit.h"
 
 namespace ccdt::api {
 
-/// Black ground of each channel of a halftone with dots on both sides of the tonal scale. Coordinates are in the units
-/// of the points.
-struct Grounds {
-    std::span<const Ink> inks;                           ///< [channels]
-    std::vector<std::vector<std::vector<Point>>> rings;  ///< [channels] rings around black ground, by the even-odd rule
+/// The areas that inks cover in a drawing by one field, in the units of the points.
+struct InkAreas {
+    std::span<const Ink> inks;
+    std::vector<std::vector<std::vector<Point>>> rings;  ///< [inks] rings around the ink, by the even-odd rule
+
+    /// Returns whether answers name the inks. A single ink has no name; answers then contain only its rings.
+    bool are_named() const { return !inks.front().name.empty(); }
 };
 
-/// Dots that flip the same channels, on both sides of the tonal scale, in the units of the points.
-struct TwoSidedDots {
-    const SizedDots& dots;  ///< sizes, and the grounds on which the dots lie
-    unsigned flips;         ///< one bit for each channel that the dots flip
-    const Grounds& grounds;
-};
-
-/// Dots of an ink, of a kind, or of a class of a dot map, as writers receive them. All objects to which this object
-/// refers must outlive it.
+/// Dots of an ink or of a class of a dot map, as writers receive them. All objects to which this object refers must
+/// outlive it.
 struct InkDots {
-    const Ink& ink;  ///< name and colour of the ink, kind or class; the name is empty if answers do not name it
+    const Ink& ink;  ///< name and colour of the ink or class; the name is empty if answers do not name it
     const Distribution& dots;
-    double radius = 0;                        ///< radius of each dot, in the units of the points; used only by drawings
-    const TwoSidedDots* two_sides = nullptr;  ///< null: all dots are ink, of one size
+    double radius = 0;                ///< radius of each dot, in the units of the points; used only by drawings
+    const InkAreas* areas = nullptr;  ///< what the sites of one field draw; null: the dots are discs
     /// [points] Index of each point's feature, in ascending order; empty if points are not grouped by features.
     std::span<const std::uint32_t> features = {};
 };
-
-/// Calls function(channel) for each channel whose bit is set.
-template <class Function>
-void for_channels(unsigned bits, const Function& function) {
-    for (std::size_t channel = 0; bits >> channel != 0; ++channel) {
-        if ((bits >> channel & 1) != 0) function(channel);
-    }
-}
 
 /// Returns the ranks of `count` points from the point `first` on; empty if the points have no ranks.
 inline std::span<const std::uint32_t> ranks_of(const Distribution& points, std::size_t first, std::size_t count) {

@@ -110,12 +110,6 @@ Point rounded(Point point) {
     return {std::round(point.x * kSteps) / kSteps, std::round(point.y * kSteps) / kSteps};
 }
 
-void write_radii(Body& body, const SizedDots& dots, const std::stop_token& stop) {
-    body.text() += ",\"radii\":";
-    write_list(
-        body, std::span(dots.radii), [](std::string& out, float radius) { append_shortest(out, radius); }, stop);
-}
-
 void write_rings(Body& body, std::span<const std::vector<Point>> rings, const std::stop_token& stop) {
     const auto append_ring = [](std::string& out, const std::vector<Point>& ring) {
         append_array(out, ring, [](std::string& to, Point point) { append_point(to, rounded(point)); });
@@ -123,20 +117,27 @@ void write_rings(Body& body, std::span<const std::vector<Point>> rings, const st
     write_list(body, rings, append_ring, stop);
 }
 
-/// Writes the radius of each dot, its side (ink or paper), and the outlines of the black ground.
-void write_two_sides(Body& body, const TwoSidedDots& two_sides, const std::stop_token& stop) {
-    write_radii(body, two_sides.dots, stop);
-    body.text() += ",\"side\":";
-    write_list(
-        body, std::span(two_sides.dots.white),
-        [](std::string& out, std::uint8_t white) { out += white != 0 ? "\"ink\"" : "\"paper\""; }, stop);
-    body.text() += ",\"ground\":";
-    write_rings(body, two_sides.grounds.rings.front(), stop);
+/// Writes the outlines of the inks of a drawing by one field.
+void write_areas(Body& body, const InkAreas& areas, const std::stop_token& stop) {
+    std::string& out = body.text();
+    if (!areas.are_named()) {
+        out += ",\"rings\":";
+        return write_rings(body, areas.rings.front(), stop);
+    }
+    out += ",\"inks\":[";
+    for (std::size_t i = 0; i < areas.inks.size(); ++i) {
+        const Ink& ink = areas.inks[i];
+        out.append(i > 0 ? "," : "").append("{\"name\":\"").append(ink.name).append("\",\"color\":\"");
+        out.append(hexadecimal(ink.colour)).append("\",\"rings\":");
+        write_rings(body, areas.rings[i], stop);
+        out += '}';
+    }
+    out += ']';
 }
 
 /// Writes the members of an answer with a single ink.
 void write_single_ink(Body& body, const PointSet& points, const Report& report, const std::stop_token& stop) {
-    const auto& [ink, dots, radius, two_sides, features] = points.layers.front();
+    const auto& [ink, dots, radius, areas, features] = points.layers.front();
     std::string& out = body.text();
     out += "\"points\":";
     write_points(body, dots.points, stop);
@@ -147,7 +148,7 @@ void write_single_ink(Body& body, const PointSet& points, const Report& report, 
     append_report(out, report);
     write_ranks(body, dots.ranks, stop);
     if (dots.mesh) write_mesh(body, *dots.mesh, stop);
-    if (two_sides != nullptr) write_two_sides(body, *two_sides, stop);
+    if (areas != nullptr) write_areas(body, *areas, stop);
 }
 
 void write_ink(Body& body, const InkDots& each, const std::stop_token& stop) {
@@ -162,39 +163,14 @@ void write_ink(Body& body, const InkDots& each, const std::stop_token& stop) {
     append_trace(out, dots.trace);
     out += ",\"points\":";
     write_points(body, dots.points, stop);
-    if (each.two_sides != nullptr) {
-        write_radii(body, each.two_sides->dots, stop);
-        out += ",\"flips\":[";
-        for_channels(each.two_sides->flips, [&](std::size_t channel) {
-            if (out.back() != '[') out += ',';
-            out.append("\"").append(each.two_sides->grounds.inks[channel].name).append("\"");
-        });
-        out += ']';
-    }
     out += '}';
-}
-
-/// Writes the outlines of the black ground of each channel.
-void write_grounds(Body& body, const Grounds& grounds, const std::stop_token& stop) {
-    std::string& out = body.text();
-    out += ",\"grounds\":[";
-    for (std::size_t channel = 0; channel < grounds.rings.size(); ++channel) {
-        const Ink& ink = grounds.inks[channel];
-        out.append(channel > 0 ? "," : "").append("{\"ink\":\"").append(ink.name).append("\",\"color\":\"");
-        out.append(hexadecimal(ink.colour)).append("\",\"rings\":");
-        write_rings(body, grounds.rings[channel], stop);
-        out += '}';
-    }
-    out += ']';
 }
 
 /// Writes the members of an answer with named inks.
 void write_inks(Body& body, const PointSet& points, const Report& report, const std::stop_token& stop) {
     std::string& out = body.text();
-    const TwoSidedDots* const two_sides = points.layers.front().two_sides;
-    out += two_sides != nullptr ? "\"kinds\":" : "\"inks\":";
+    out += "\"inks\":";
     append_array(out, points.layers, [&](std::string&, const InkDots& each) { write_ink(body, each, stop); });
-    if (two_sides != nullptr) write_grounds(body, two_sides->grounds, stop);
     out += ',';
     append_order(out, points.size(), report);
     append_remarks(out, points.are_partial(), report);

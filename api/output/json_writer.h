@@ -47,9 +47,9 @@ std::string write_repairs(std::span<const Repair> repairs);
 std::string write_warnings(std::span<const Warning> warnings);
 
 /// Writes the JSON answer of /sample and /halftone. If inks have names, the answer has a list of inks with their
-/// points. Otherwise it has a list of points, and the mesh if there is one. For dots on both sides of the
-/// tonal scale, the answer also has the radius and the side (ink or paper) of each dot, and the outlines of the black
-/// ground. The answer also reports an early stop, repairs and warnings.
+/// points. Otherwise it has a list of points, and the mesh if there is one. A drawing by one field also has the
+/// outlines of the ink or, if inks have names, a list of inks with their outlines. The answer also reports an early
+/// stop, repairs and warnings.
 ///
 /// If points are grouped by features, the points of all classes are one list, sorted by class, and within a class by
 /// feature. Each point has the index of its feature, and the index of its class if classes have names. The answer has a

@@ -11,9 +11,8 @@
 #include <span>
 #include <vector>
 
-#include "api/output/channel_dots.h"
-#include "api/output/ground_curves.h"
 #include "api/output/plot.h"
+#include "api/output/ring_curves.h"
 
 namespace ccdt::api {
 namespace {
@@ -104,17 +103,10 @@ public:
 
     void close() { cairo_close_path(context_.get()); }
 
-    /// Fills the path by the even-odd rule. Clips all shapes to the path until end_clip() is called.
-    void fill_and_clip_even_odd(const Colour& colour) {
+    void fill_even_odd(const Colour& colour) {
         cairo_set_fill_rule(context_.get(), CAIRO_FILL_RULE_EVEN_ODD);
-        choose(colour);
-        cairo_fill_preserve(context_.get());
-        cairo_save(context_.get());
-        cairo_clip(context_.get());
-        cairo_set_fill_rule(context_.get(), CAIRO_FILL_RULE_WINDING);
+        fill(colour);
     }
-
-    void end_clip() { cairo_restore(context_.get()); }
 
     bool should_continue() const { return !stop_.stop_requested(); }
 
@@ -188,38 +180,16 @@ void draw_pen(const Plot& plot, const Pen& pen, PdfPage& page) {
     }
 }
 
-/// Draws a channel in three layers from bottom to top: ink dots, black ground, paper dots. A dot on the boundary of the
-/// ground is drawn both as an ink dot and as a paper dot.
-/// @param ground  rings around black ground
-/// @param bare    colour of paper dots
-void draw_channel(const ChannelDots& dots, const Ink& ink, std::span<const std::vector<Point>> ground,
-                  const Colour& bare, const Page& sheet, PdfPage& page) {
-    const double unit = sheet.unit();
-    const PageMapping place(sheet, unit);
-    const auto draw_side = [&](const std::vector<std::uint32_t>& own, const Colour& colour) {
-        fill_discs(page, own.size(), colour, [&](std::size_t k) {
-            page.disc(place(dots.points[own[k]]), unit * static_cast<double>(dots.radii[own[k]]));
-        });
-    };
-    draw_side(dots.ink, ink.colour);
-    trace_ground(ground, sheet, page);
-    page.fill_and_clip_even_odd(ink.colour);
-    draw_side(dots.paper, bare);
-    page.end_clip();
-}
-
-/// Draws dots on both sides of the tonal scale. Channels are mixed if they have names.
-void write_two_sides(const PointSet& kinds, const Palette& palette, const Page& sheet, Body& body,
-                     const std::stop_token& stop) {
-    const Grounds& grounds = kinds.layers.front().two_sides->grounds;
-    const Colour bare = paper_dot_colour(kinds, palette);
-    const bool mixes = kinds.are_named();
+/// Draws the areas of inks, which are mixed if they have names.
+void write_areas(const InkAreas& areas, const Palette& palette, const Page& sheet, Body& body,
+                 const std::stop_token& stop) {
     PdfPage page(sheet.size(), body, stop);
     page.paper(palette.paper);
-    for (std::size_t c = 0; c < grounds.inks.size(); ++c) {
-        if (mixes) page.begin_group();
-        draw_channel(dots_of_channel(kinds, c), grounds.inks[c], grounds.rings[c], bare, sheet, page);
-        if (mixes) page.end_group(palette.mixing);
+    for (std::size_t i = 0; i < areas.inks.size(); ++i) {
+        if (areas.are_named()) page.begin_group();
+        trace_rings(areas.rings[i], sheet.box, PageMapping(sheet, sheet.unit()), page);
+        page.fill_even_odd(areas.inks[i].colour);
+        if (areas.are_named()) page.end_group(palette.mixing);
     }
     page.finish();
 }
@@ -240,7 +210,8 @@ void write_plot(const Plot& plot, const Palette& palette, bool mixes, Body& body
 
 void write_pdf(const PointSet& points, const Palette& palette, const Page& page, const DrawingOptions& drawing,
                Body& body, const std::stop_token& path_stop, const std::stop_token& stop) {
-    if (points.layers.front().two_sides != nullptr) return write_two_sides(points, palette, page, body, stop);
+    const InkAreas* const areas = points.layers.front().areas;
+    if (areas != nullptr) return write_areas(*areas, palette, page, body, stop);
     write_plot(plot_of(points, page, drawing, path_stop, stop), palette, points.are_named(), body, stop);
 }
 

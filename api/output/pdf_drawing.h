@@ -12,8 +12,8 @@
 namespace ccdt::api {
 
 /// Writes dots as a PDF document of one page, which is as large as the drawing. Dots are discs or the strokes of pens.
-/// Dots on both sides of the tonal scale are drawn with their ground. The page has shapes only, no pixels. Each layer
-/// is a group; groups are mixed with each other as in SVG.
+/// A drawing by one field has a shape for each ink. The page has shapes only, no pixels. Each layer is a group; groups
+/// are mixed with each other as in SVG.
 ///
 /// @param page       must have a width in millimetres
 /// @param path_stop  once stopped, the search for short paths ends early, so paths are longer

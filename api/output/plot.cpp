@@ -15,11 +15,16 @@
 namespace ccdt::api {
 namespace {
 
-/// Returns the order in which dots are drawn on a page.
-std::vector<std::uint32_t> path_of(std::span<const Point> points, const Page& page, const std::stop_token& path_stop) {
-    if (page.along_path) return short_path(points, path_stop);
+/// Returns PenRun::path.
+std::vector<std::uint32_t> path_of(std::span<const Point> points, const Page& page, bool closed,
+                                   const std::stop_token& path_stop) {
     std::vector<std::uint32_t> path(points.size());
-    std::iota(path.begin(), path.end(), 0U);
+    if (page.along_path) {
+        path = closed ? short_tour(points, path_stop) : short_path(points, path_stop);
+    } else {
+        std::iota(path.begin(), path.end(), 0U);
+    }
+    if (closed && path.size() > 1) path.push_back(path.front());
     return path;
 }
 
@@ -155,14 +160,14 @@ double dots_in(double seconds, const PlotInk& ink, std::optional<double> radius,
 Plot plot_of(const PointSet& points, const Page& page, const DrawingOptions& drawing, const std::stop_token& path_stop,
              const std::stop_token& stop) {
     const std::vector<std::string> labels = pen_labels(points.inks());
-    Plot plot{page, drawing.style, drawing.plotter, {}};
+    Plot plot{page, drawing.style, drawing.closed, drawing.plotter, {}};
     for (std::size_t i = 0; i < points.layers.size(); ++i) {
         const InkDots& layer = points.layers[i];
         Pen& pen = plot.pens.emplace_back(make_pen(labels[i], layer.ink.colour, layer.radius * page.unit(), drawing));
         points.for_groups(layer, [&](std::uint32_t, std::size_t first, std::size_t count) {
             if (stop.stop_requested()) return;
             const auto group = std::span<const Point>(layer.dots.points).subspan(first, count);
-            pen.runs.push_back({group, path_of(group, page, path_stop)});
+            pen.runs.push_back({group, path_of(group, page, plot.closed, path_stop)});
         });
     }
     return plot;

@@ -20,7 +20,9 @@ namespace ccdt::api {
 /// Dots that a pen draws one after the other.
 struct PenRun {
     std::span<const Point> points;
-    std::vector<std::uint32_t> path;  ///< indices of the points, in the order in which they are drawn
+    /// Indices of the points, in the order in which they are drawn. The path of a closed line ends with its first
+    /// index.
+    std::vector<std::uint32_t> path;
 };
 
 /// Strokes of one pen, in user units of the page.
@@ -39,6 +41,7 @@ struct Pen {
 struct Plot {
     const Page& page;
     DotStyle style;
+    bool closed;  ///< whether lines end where they start
     Plotter plotter;
     std::vector<Pen> pens;
 

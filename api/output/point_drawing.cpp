@@ -7,15 +7,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <map>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "api/output/channel_dots.h"
-#include "api/output/ground_curves.h"
 #include "api/output/pen_labels.h"
 #include "api/output/plot.h"
+#include "api/output/ring_curves.h"
 #include "api/text/numbers.h"
 #include "core/tour/short_path.h"
 
@@ -115,6 +113,10 @@ public:
               original, unit, "; their radius is ", radius, unit, "</desc>\n");
     }
 
+    void describe(std::size_t sites) {
+        write("<desc>", std::to_string(sites), " dots and holes of one field</desc>\n");
+    }
+
     void paper(const Colour& colour) {
         if (colour.transparent) return;
         write(R"(<rect width=")", width_, R"(" height=")", height_, R"(" fill=")", hexadecimal(colour), "\"/>\n");
@@ -123,21 +125,14 @@ public:
     /// Begins a layer of the drawing. Programs that change pens between layers read the layer's number in its id.
     /// @param number  from 1, in drawing order
     /// @param blend   blend mode of CSS; empty: the layer hides the layers below it
-    /// @param clip    id of the path to which the layer is clipped; empty: none
-    void begin_layer(std::size_t number, std::string_view label, std::string_view blend, std::string_view clip = {}) {
+    void begin_layer(std::size_t number, std::string_view label, std::string_view blend) {
         write(R"(<g id="layer)", std::to_string(number), R"(" inkscape:groupmode="layer" inkscape:label=")",
               escaped(label), "\"");
         if (!blend.empty()) write(R"( style="mix-blend-mode:)", blend, "\"");
-        if (!clip.empty()) write(R"( clip-path="url(#)", clip, ")\"");
         write(">\n");
     }
 
     void begin_group(std::string_view id) { write(R"(<g id=")", id, "\">\n"); }
-
-    /// Begins a group that is clipped to a clip path.
-    void begin_clip(std::string_view id) { write(R"(<g clip-path="url(#)", id, ")\">\n"); }
-
-    void end_group() { write("</g>\n"); }
 
     void end_layer() { write("</g>\n"); }
 
@@ -147,10 +142,6 @@ public:
         if (plot.style != DotStyle::Fill) return strokes(plot, pen, run, stop);
         discs(
             centres, [&](std::size_t) { return pen.radius; }, pen.colour, stop);
-    }
-
-    void define_clip(std::string_view id, std::string_view data) {
-        write(R"(<clipPath id=")", id, R"("><path clip-rule="evenodd" d=")", data, "\"/></clipPath>\n");
     }
 
     /// @param radius_of  returns the radius of a dot, by its index in the path
@@ -169,24 +160,24 @@ public:
         write("</g>\n");
     }
 
-    /// @param blend  blend mode of CSS; empty: the area hides what is below it
-    void area(std::string_view data, const Colour& colour, std::string_view blend = {}) {
-        write(R"(<path fill=")", hexadecimal(colour), R"(" fill-rule="evenodd")");
-        if (!blend.empty()) write(R"( style="mix-blend-mode:)", blend, "\"");
-        write(R"( d=")", data, "\"/>\n");
+    /// @param unit  user units per unit of the path data
+    void area(std::string_view data, double unit, const Colour& colour) {
+        std::string scale;
+        append_shortest(scale, unit);
+        write(R"(<path fill=")", hexadecimal(colour), R"(" fill-rule="evenodd" transform="scale()", scale, ")\" d=\"",
+              data, "\"/>\n");
     }
-
-    int decimals() const { return decimals_; }
 
     void finish() { write("</svg>\n"); }
 
 private:
     /// Writes strokes as paths that are short enough for libxml2, by which many programs read SVG. Programs for
-    /// plotters omit strokes of no length, so a touch of the pen is a very short stroke.
+    /// plotters omit strokes of no length, so a touch of the pen is a very short stroke. A closed line in a single path
+    /// has the command Z, so that its ends are joined.
     class Strokes {
     public:
-        Strokes(DotDocument& document, double touch, const std::stop_token& stop)
-            : document_(document), touch_(touch), stop_(stop) {}
+        Strokes(DotDocument& document, double touch, bool closed, const std::stop_token& stop)
+            : document_(document), touch_(touch), closed_(closed), stop_(stop) {}
 
         bool should_continue() { return document_.body_.flush() && !stop_.stop_requested(); }
 
@@ -203,13 +194,18 @@ private:
             document_.write("L", at.x, " ", at.y);
             is_touch_ = false;
             if (++points_ < kMaxPoints) return;
+            closed_ = false;
             close();
             begin(at);
             is_touch_ = false;
         }
 
         void end() {
-            if (is_touch_) document_.write("h", touch_);
+            if (is_touch_) {
+                document_.write("h", touch_);
+            } else if (closed_) {
+                document_.write("Z");
+            }
             document_.write("\n");
             if (points_ >= kChunk) close();
         }
@@ -222,6 +218,7 @@ private:
     private:
         DotDocument& document_;
         double touch_;  ///< length of the stroke that stands for a touch of the pen
+        bool closed_;   ///< whether the line ends with Z
         const std::stop_token& stop_;
         std::size_t points_ = 0;  ///< number of points in the open path
         bool is_touch_ = false;
@@ -230,7 +227,7 @@ private:
     void strokes(const Plot& plot, const Pen& pen, const PenRun& run, const std::stop_token& stop) {
         write(R"(<g fill="none" stroke=")", hexadecimal(pen.colour), R"(" stroke-width=")", pen.width,
               "\" stroke-linecap=\"round\"", plot.style == DotStyle::Stroke ? "" : " stroke-linejoin=\"round\"", ">\n");
-        Strokes medium(*this, std::max(pen.radius / 50, std::pow(10, -decimals_)), stop);
+        Strokes medium(*this, std::max(pen.radius / 50, std::pow(10, -decimals_)), plot.closed, stop);
         trace(plot, pen, run, medium);
         medium.close();
         write("</g>\n");
@@ -291,203 +288,90 @@ void draw(const Plot& plot, const Pen& pen, const PenRun& run, std::span<const s
     document.dots(plot, pen, run, dots, stop);
 }
 
-/// Converts the rings around black ground to path data of SVG.
-std::string curves(std::span<const std::vector<Point>> rings, const Page& page, int decimals) {
-    std::string data;
-    const auto append = [&](std::string_view command, Point p) {
-        data += command;
-        append_rounded(data, p.x, decimals);
-        data += ' ';
-        append_rounded(data, p.y, decimals);
-    };
-    struct Data {
-        const decltype(append)& add;
-        std::string& text;
-        void move_to(Point p) { add("M", p); }
-        void line_to(Point p) { add("L", p); }
-        void curve_to(Point control, Point end) {
-            add("Q", control);
-            add(" ", end);
+/// Path data of SVG whose numbers are integers, and relative to the point before.
+class PathData {
+public:
+    void move_to(Point p) {
+        command('m', p);
+        is_curve_ = false;
+    }
+    void line_to(Point p) {
+        command('l', p);
+        is_curve_ = false;
+    }
+    /// Leaves the control point out if it is the mirror image of the one before, as in a spline.
+    void curve_to(Point control, Point end) {
+        constexpr double kNear = 1.5;
+        const Point mirrored = at_ + at_ - control_, off = mirrored - control;
+        if (is_curve_ && std::abs(off.x) <= kNear && std::abs(off.y) <= kNear) {
+            control_ = mirrored;
+            command('t', end);
+            return;
         }
-        void close() { text += "Z\n"; }
-    } writer{append, data};
-    trace_ground(rings, page, writer);
-    return data;
-}
+        const Point from = at_;
+        command('q', control);
+        control_ = std::exchange(at_, from);
+        append(end);
+        is_curve_ = true;
+    }
+    /// Shapes that are only filled need not be closed.
+    void close() {}
 
-/// Orders some of the points along a short path.
-/// @param numbers  indices of these points
-std::vector<std::uint32_t> path_through(std::span<const std::uint32_t> numbers, std::span<const Point> points,
-                                        const std::stop_token& path_stop) {
-    std::vector<Point> own;
-    for (const std::uint32_t i : numbers) own.push_back(points[i]);
-    std::vector<std::uint32_t> path;
-    for (const std::uint32_t i : short_path(own, path_stop)) path.push_back(numbers[i]);
-    return path;
-}
+    std::string take() { return std::move(text_); }
 
-/// Returns the name of an ink for use in ids. A number sign is replaced, since links to ids cannot contain it.
-std::string id_of(const Ink& ink) {
-    return ink.name.starts_with('#') ? "ink-" + ink.name.substr(1) : ink.name;
-}
+private:
+    void command(char name, Point p) {
+        text_ += name;
+        append(p);
+    }
+    /// Appends the way to a point.
+    void append(Point p) {
+        const Point to{std::round(p.x), std::round(p.y)}, way = to - at_;
+        const char last = text_.back();
+        if (last >= '0' && last <= '9' && way.x >= 0) text_ += ' ';
+        text_ += std::to_string(static_cast<long long>(way.x));
+        if (way.y >= 0) text_ += ' ';
+        text_ += std::to_string(static_cast<long long>(way.y));
+        at_ = to;
+    }
+
+    std::string text_;
+    Point at_{}, control_{};
+    bool is_curve_ = false;  ///< whether the last command was a curve, with the control point `control_`
+};
 
 /// Returns the blend mode of CSS that mixes inks.
 std::string_view blend_of(const Palette& palette) {
     return palette.mixing == Mixing::Add ? "screen" : "multiply";
 }
 
-/// Draws dots on both sides of the tonal scale. Each channel has three layers, from bottom to top: ink dots, black
-/// ground, paper dots. A dot on the boundary of the ground is both an ink dot and a paper dot. The black ground hides
-/// ink dots, and paper dots are clipped to the black ground. Thus each part of a dot has the colour opposite to its
-/// ground.
-void draw_two_sides(const PointSet& kinds, const Palette& palette, const Page& page, Body& body,
-                    const std::stop_token& path_stop, const std::stop_token& stop) {
-    const Grounds& grounds = kinds.layers.front().two_sides->grounds;
-    const bool layered = kinds.are_named();
-    const Colour bare = paper_dot_colour(kinds, palette);
-    std::vector<ChannelDots> channels;
-    for (std::size_t c = 0; c < grounds.inks.size(); ++c) {
-        ChannelDots& dots = channels.emplace_back(dots_of_channel(kinds, c));
-        dots.ink = path_through(dots.ink, dots.points, path_stop);
-        dots.paper = path_through(dots.paper, dots.points, path_stop);
-    }
-    DotDocument document(page, kinds.size(), kLayers, body);
-    const PageMapping place(page, document.unit());
-    const std::vector<std::string> labels = pen_labels(grounds.inks);
-    // Top-level layers get the first numbers, because some programs number only top-level layers.
-    std::size_t number = layered ? channels.size() : 0;
+/// Rounds a length to two digits.
+double of_two_digits(double length) {
+    const double digit = std::pow(10, std::floor(std::log10(length)) - 1);
+    return digit * std::round(length / digit);
+}
+
+/// Draws the areas of inks. Each ink with a name is a layer.
+void draw_areas(const InkAreas& areas, const Palette& palette, const Page& page, std::size_t sites, Body& body,
+                const std::stop_token& stop) {
+    // The unit of path data is about this part of the mean spacing of sites.
+    constexpr double kPart = 1.0 / 60;
+    DotDocument document(page, sites, areas.are_named() ? kLayers : "", body);
+    const double pixels = page.box.width() * page.box.height() / static_cast<double>(std::max<std::size_t>(sites, 1));
+    const double unit = of_two_digits(kPart * std::sqrt(pixels) * document.unit());
+    const PageMapping place(page, document.unit() / unit);
+    document.describe(sites);
+    const std::vector<std::string> labels = pen_labels(areas.inks);
     document.paper(palette.paper);
-    for (std::size_t c = 0; c < channels.size(); ++c) {
-        const ChannelDots& dots = channels[c];
-        const Ink& ink = grounds.inks[c];
-        const std::string black = layered ? id_of(ink) + "-black" : "black";
-        const std::string ground = curves(grounds.rings[c], page, document.decimals());
-        const auto draw_side = [&](const std::vector<std::uint32_t>& path, const Colour& colour) {
-            const PlacedPath centres(dots.points, {}, path, place);
-            const auto radius_of = [&](std::size_t i) {
-                return document.unit() * static_cast<double>(dots.radii[path[i]]);
-            };
-            document.discs(centres, radius_of, colour, stop);
-        };
-        if (layered) document.begin_layer(c + 1, labels[c], blend_of(palette));
-        document.define_clip(black, ground);
-        document.begin_layer(++number, "ink dots", "");
-        draw_side(dots.ink, ink.colour);
-        document.end_layer();
-        document.begin_layer(++number, "ground", "");
-        document.area(ground, ink.colour);
-        document.end_layer();
-        document.begin_layer(++number, "paper dots", "", black);
-        draw_side(dots.paper, bare);
-        document.end_layer();
-        if (layered) document.end_layer();
+    for (std::size_t i = 0; i < areas.inks.size() && !stop.stop_requested(); ++i) {
+        PathData data;
+        trace_rings(areas.rings[i], page.box, place, data);
+        if (areas.are_named()) document.begin_layer(i + 1, labels[i], blend_of(palette));
+        document.area(data.take(), unit, areas.inks[i].colour);
+        if (areas.are_named()) document.end_layer();
     }
     document.finish();
 }
-
-/// Draws dots on both sides of the tonal scale. The ground is a layer, and the dots of each kind are a layer. A dot has
-/// the colour of the inks of its ground, after the inks of its kind have been flipped. A dot that the boundary of a
-/// ground crosses is drawn once for each combination of grounds under it, clipped to these grounds.
-class KindLayers {
-public:
-    KindLayers(const PointSet& kinds, const Palette& palette, const Page& page, Body& body,
-               const std::stop_token& path_stop, const std::stop_token& stop)
-        : kinds_(kinds.layers),
-          labels_(pen_labels(kinds.inks())),
-          palette_(palette),
-          grounds_(kinds_.front().two_sides->grounds),
-          document_(page, kinds.size(), kLayers, body),
-          place_(page, document_.unit()),
-          path_stop_(path_stop),
-          stop_(stop) {
-        for (const auto& rings : grounds_.rings) curves_.push_back(curves(rings, page, document_.decimals()));
-        const auto& [min, max] = page.box;
-        const std::vector<std::vector<Point>> border = {{min, {max.x, min.y}, max, {min.x, max.y}}};
-        border_ = curves(border, page, document_.decimals());
-    }
-
-    void draw() {
-        document_.paper(palette_.paper);
-        for (std::size_t c = 0; c < curves_.size(); ++c) {
-            document_.define_clip(clip_of(c, true), curves_[c]);
-            document_.define_clip(clip_of(c, false), border_ + curves_[c]);
-        }
-        document_.begin_layer(1, "ground", "");
-        for (std::size_t c = 0; c < curves_.size(); ++c)
-            document_.area(curves_[c], grounds_.inks[c].colour, blend_of(palette_));
-        document_.end_layer();
-        for (std::size_t k = 0; k < kinds_.size(); ++k) {
-            document_.begin_layer(k + 2, labels_[k], "");
-            draw(kinds_[k]);
-            document_.end_layer();
-        }
-        document_.finish();
-    }
-
-private:
-    /// Indices of dots, grouped by two sets of bits: the inks of the ground on which the dots are drawn, and
-    /// the channels to whose ground the dots are clipped.
-    using Groups = std::map<std::pair<unsigned, unsigned>, std::vector<std::uint32_t>>;
-
-    static std::string clip_of(std::size_t channel, bool is_black) {
-        return std::string(is_black ? "ink" : "bare") + "-" + std::to_string(channel + 1);
-    }
-
-    void draw(const InkDots& kind) {
-        for (const auto& [key, numbers] : groups_of(*kind.two_sides, kind.dots.points.size())) {
-            const auto [ground, cut] = key;
-            for_channels(
-                cut, [&, ground = ground](std::size_t c) { document_.begin_clip(clip_of(c, (ground >> c & 1) != 0)); });
-            const std::vector<std::uint32_t> path = path_through(numbers, kind.dots.points, path_stop_);
-            const auto radius_of = [&](std::size_t i) {
-                return document_.unit() * static_cast<double>(kind.two_sides->dots.radii[path[i]]);
-            };
-            document_.discs(PlacedPath(kind.dots.points, {}, path, place_), radius_of,
-                            colour_of(ground ^ kind.two_sides->flips), stop_);
-            for_channels(cut, [&](std::size_t) { document_.end_group(); });
-        }
-    }
-
-    Groups groups_of(const TwoSidedDots& dots, std::size_t count) const {
-        const unsigned all = (1U << grounds_.inks.size()) - 1;
-        Groups groups;
-        for (std::uint32_t i = 0; i < count; ++i) {
-            const unsigned cut = dots.dots.cut[i], ground = ~dots.dots.white[i] & all;
-            // Visits all subsets of the channels that are cut.
-            for (unsigned flipped = cut;; flipped = (flipped - 1) & cut) {
-                groups[{ground ^ flipped, cut}].push_back(i);
-                if (flipped == 0) break;
-            }
-        }
-        return groups;
-    }
-
-    /// Returns the colour of a set of inks, mixed in the same way as the areas of the ground.
-    Colour colour_of(unsigned inks) const {
-        Colour mixed = palette_.paper;
-        for_channels(inks, [&](std::size_t c) {
-            const Colour& ink = grounds_.inks[c].colour;
-            const auto mix = [&](unsigned char below, unsigned char above) {
-                const bool adds = palette_.mixing == Mixing::Add;
-                const int a = adds ? 255 - below : below, b = adds ? 255 - above : above;
-                const int product = (a * b + 127) / 255;
-                return static_cast<unsigned char>(adds ? 255 - product : product);
-            };
-            mixed = {mix(mixed.red, ink.red), mix(mixed.green, ink.green), mix(mixed.blue, ink.blue)};
-        });
-        return mixed;
-    }
-
-    std::span<const InkDots> kinds_;
-    std::vector<std::string> labels_;
-    const Palette& palette_;
-    const Grounds& grounds_;
-    DotDocument document_;
-    PageMapping place_;
-    std::stop_token path_stop_, stop_;
-    std::vector<std::string> curves_;  ///< [channels] path data of black ground
-    std::string border_;               ///< path data of the border of the page
-};
 
 }  // namespace
 
@@ -512,11 +396,8 @@ double fitting_scale(const Box& box, double wished, std::size_t max_pixels) {
 
 void write_svg(const PointSet& points, const Palette& palette, const Page& page, const DrawingOptions& drawing,
                Body& body, const std::stop_token& path_stop, const std::stop_token& stop) {
-    if (points.layers.front().two_sides != nullptr) {
-        if (drawing.layers == Layers::Kind && points.are_named())
-            return KindLayers(points, palette, page, body, path_stop, stop).draw();
-        return draw_two_sides(points, palette, page, body, path_stop, stop);
-    }
+    const InkAreas* const areas = points.layers.front().areas;
+    if (areas != nullptr) return draw_areas(*areas, palette, page, points.size(), body, stop);
     // Programs for plotters treat each top-level group as a layer, and features are groups.
     const bool layered = points.are_grouped() || points.are_named();
     const bool has_paper = drawing.style == DotStyle::Fill;

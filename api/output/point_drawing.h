@@ -40,9 +40,7 @@ double fitting_scale(const Box& box, double wished, std::size_t max_pixels);
 /// If points are grouped by features, even a single class is a layer, and each layer has a group for each feature. The
 /// id of a group is `feature-2` for the feature with index 2, or `class-1-feature-2` if classes have names.
 ///
-/// Dots on both sides of the tonal scale are three layers: ink dots, black ground, paper dots. With several channels,
-/// each channel is a layer that contains these three. With Layers::Kind, the layers are the ground and the dots of each
-/// kind.
+/// A drawing by one field has a path for each ink. Inks with names are layers.
 ///
 /// @param points     the radius of dots must be at most a small multiple of the page's longer side
 /// @param path_stop  once stopped, the search for short paths ends early, so paths are longer; output begins after the

@@ -26,8 +26,8 @@ void for_features(std::span<const std::uint32_t> features, Function&& function) 
     }
 }
 
-/// Points of an answer, as writers receive them. Each ink, each kind of dots on both sides of the tonal scale, and each
-/// class of a dot map is a layer. All objects to which this object refers must outlive it.
+/// Points of an answer, as writers receive them. Each ink and each class of a dot map is a layer.
+/// All objects to which this object refers must outlive it.
 struct PointSet {
     std::span<const InkDots> layers;  ///< at least one
     /// [features] Ids as JSON, empty for a feature without id. No elements: points are not grouped by features.

@@ -51,65 +51,6 @@ void write_rows(Body& body, std::span<const Point> points, std::size_t columns, 
     });
 }
 
-/// Returns the inks of the ground below a dot, as bits.
-/// @param white  bits of the channels with white ground
-unsigned inks_below(unsigned white, const Grounds& grounds) {
-    return ~white & ((1U << grounds.inks.size()) - 1);
-}
-
-/// Joins the names of the inks whose bits are set. Returns "paper" if no bit is set.
-std::string names_of(unsigned bits, const Grounds& grounds) {
-    std::string names;
-    for_channels(
-        bits, [&](std::size_t channel) { names.append(names.empty() ? "" : "+").append(grounds.inks[channel].name); });
-    return names.empty() ? "paper" : names;
-}
-
-/// Writes a line for each dot, with its radius and its side (ink or paper). With several channels, the flipped channels
-/// and the inks of the ground replace the side.
-void write_two_sides(const PointSet& kinds, Body& body, const std::stop_token& stop) {
-    const bool named = kinds.are_named();
-    std::string& out = body.text();
-    out.append("x,y,radius,").append(named ? "flips,ground" : "side").append("\r\n");
-    for (const InkDots& kind : kinds.layers) {
-        const auto& dots = kind.two_sides->dots;
-        const auto& grounds = kind.two_sides->grounds;
-        write_records(dots.radii.size(), body, stop, [&](std::size_t i) {
-            append_shortest(out, kind.dots.points[i].x);
-            out += ',';
-            append_shortest(out, kind.dots.points[i].y);
-            out += ',';
-            append_shortest(out, dots.radii[i]);
-            if (named) {
-                out.append(",")
-                    .append(kind.ink.name)
-                    .append(",")
-                    .append(names_of(inks_below(dots.white[i], grounds), grounds));
-            } else {
-                out += dots.white[i] != 0 ? ",ink" : ",paper";
-            }
-            out += "\r\n";
-        });
-    }
-}
-
-/// Writes a row of an NPY file for each dot, with the columns of write_two_sides().
-void write_two_sided_rows(const PointSet& kinds, Body& body, const std::stop_token& stop) {
-    const bool named = kinds.are_named();
-    const std::size_t columns = named ? 5 : 4;
-    write_npy_header(kinds.size(), columns, body);
-    for (const InkDots& kind : kinds.layers) {
-        const auto& [dots, flips, grounds] = *kind.two_sides;
-        const auto rest = [&, &dots = dots, &flips = flips, &grounds = grounds](std::size_t i) {
-            const auto radius = static_cast<double>(dots.radii[i]);
-            if (!named) return std::array{radius, dots.white[i] != 0 ? 0.0 : 1.0, 0.0};
-            return std::array<double, 3>{radius, static_cast<double>(flips),
-                                         static_cast<double>(inks_below(dots.white[i], grounds))};
-        };
-        write_rows(body, kind.dots.points, columns, rest, stop);
-    }
-}
-
 /// Quotes a field that contains a separator or a quote (RFC 4180).
 std::string quoted(std::string_view text) {
     if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
@@ -133,7 +74,6 @@ void append_columns(std::string& out, const CarriedProperties& properties, std::
 }  // namespace
 
 void write_csv(const PointSet& points, Body& body, const std::stop_token& stop) {
-    if (points.layers.front().two_sides != nullptr) return write_two_sides(points, body, stop);
     const bool named = points.are_named(), grouped = points.are_grouped();
     const auto* const properties = points.properties;
     body.expect((points.size() + 1) * (kTypicalLineBytes + (named || grouped ? kTypicalNameBytes : 0)));
@@ -158,7 +98,6 @@ void write_csv(const PointSet& points, Body& body, const std::stop_token& stop) 
 }
 
 void write_npy(const PointSet& points, Body& body, const std::stop_token& stop) {
-    if (points.layers.front().two_sides != nullptr) return write_two_sided_rows(points, body, stop);
     const bool ranked = points.are_ranked(), grouped = points.are_grouped(), named = points.are_named();
     const std::size_t columns = std::size_t{2} + ranked + grouped + named;
     write_npy_header(points.size(), columns, body);

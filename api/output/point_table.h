@@ -12,17 +12,13 @@ namespace ccdt::api {
 /// The columns are x, y, `rank` if points have ranks, and `ink` if inks have names. If points are grouped by features,
 /// the columns after x, y and `rank` are `feature` (the index of the feature), `class` if classes have names, and the
 /// properties that points carry. A property is written as it is if it is text, as an empty field if it is null, and
-/// otherwise as JSON. Dots on both sides of the tonal scale have the columns x, y, `radius`, and `side`, which is ink
-/// or paper. With several channels, the columns `flips` and `ground` replace `side`. Numbers have the fewest digits
-/// that read back to the same double. After a stop, the output is incomplete.
+/// otherwise as JSON. Numbers have the fewest digits that read back to the same double. After a stop, the output is
+/// incomplete.
 void write_csv(const PointSet& points, Body& body, const std::stop_token& stop = {});
 
 /// Writes points as a NumPy array of float64. The first columns are x and y. They are followed by the rank if points
 /// have ranks, by the index of the feature if points are grouped by features, and by the number of the layer, from 0,
-/// if layers have names. Dots on both sides of the tonal scale have four columns: x, y, the radius and the side, 0 for
-/// ink or 1 for paper. With several channels they have five: x, y, the radius, the flipped channels, and the inks of
-/// the ground. Each of the last two columns is a sum of bits, with 1 for the first channel, 2 for the second, and so
-/// on. Source: NEP 1, format version 1.0. After a stop, the output is incomplete.
+/// if layers have names. Source: NEP 1, format version 1.0. After a stop, the output is incomplete.
 void write_npy(const PointSet& points, Body& body, const std::stop_token& stop = {});
 
 }  // namespace ccdt::api

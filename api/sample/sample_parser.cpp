@@ -160,7 +160,7 @@ constexpr std::array<OptionRule<Draft>, 8> kShapeRules = {{
 }};
 
 /// Options that are members of a JSON body, or parameters if the body is a GeoJSON or TopoJSON document.
-constexpr std::array<OptionRule<Draft>, 29> kOptionRules = {{
+constexpr std::array<OptionRule<Draft>, 30> kOptionRules = {{
     {"sites", read_sites},
     {"per", [](const Input& i, const Limits&, Draft& d) { return read_per(i, d.counting); }},
     {"classes", [](const Input& i, const Limits&, Draft& d) { return assign(d.counting.classes, read_classes(i)); }},
@@ -186,6 +186,7 @@ constexpr std::array<OptionRule<Draft>, 29> kOptionRules = {{
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.output.order, read_point_order(i)); }},
     {"width_mm", [](const Input& i, const Limits&, Draft& d) { return read_width_mm(i, d.request.output.drawing); }},
     {"style", [](const Input& i, const Limits&, Draft& d) { return read_style(i, d.request.output.drawing); }},
+    {"closed", [](const Input& i, const Limits&, Draft& d) { return read_closed(i, d.request.output.drawing); }},
     {"pen", [](const Input& i, const Limits&, Draft& d) { return read_pen(i, d.request.output.drawing); }},
     {"speed", [](const Input& i, const Limits&, Draft& d) { return read_speed(i, d.request.output.drawing); }},
     {"dwell", [](const Input& i, const Limits&, Draft& d) { return read_dwell(i, d.request.output.drawing); }},
@@ -457,6 +458,7 @@ Result<SampleRequest> parse_sample(JsonValue root, const std::vector<TextOption>
     errors.add(domain);
     if (domain && draft.request.threshold_mask) errors.add(settle_mask(draft.depth, draft.request));
     errors.add(settle_format(accept, draft));
+    errors.add(check_closed(draft.request.output.drawing, draft.request.field_of("closed")));
     if (draft.request.output.format != nullptr && !draft.request.threshold_mask)
         errors.add(draft.request.output.format->check_drawing(draft.request.output.drawing,
                                                               draft.request.field_of("width_mm")));

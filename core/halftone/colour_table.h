@@ -41,6 +41,44 @@ public:
 
     /// @param light  in [0, 1]
     Node operator()(const Light& light) {
+        Node mixture{};
+        for_corners(light, [&](std::size_t node, float weight) {
+            const float* corner = at_node(node);
+            for (std::size_t i = 0; i < used_; ++i) mixture[i] += weight * corner[i];
+        });
+        return mixture;
+    }
+
+    /// Returns the colours of all nodes between which the table interpolates at some colours, each once.
+    /// @param lights  in [0, 1]
+    std::vector<Light> nodes_of(const std::vector<Light>& lights) const {
+        std::vector<bool> is_used(kNodes);
+        for (const Light& light : lights) for_corners(light, [&](std::size_t node, float) { is_used[node] = true; });
+        std::vector<Light> colours;
+        for (std::size_t node = 0; node < kNodes; ++node) {
+            if (is_used[node]) colours.push_back(colour_of(node));
+        }
+        return colours;
+    }
+
+private:
+    static constexpr std::size_t kSide = 17, kNodes = kSide * kSide * kSide;
+    static constexpr std::size_t kSteps = 4096;  // steps of light in [0, 1]; lightness is linear between steps, to 1e-5
+
+    /// Returns the position of a light on an axis, in nodes.
+    float place_of(float light) const {
+        const float step = light * kSteps;
+        const auto below = static_cast<std::size_t>(step);
+        return std::lerp(places_[below], places_[below + 1], step - static_cast<float>(below));
+    }
+
+    Light colour_of(std::size_t node) const {
+        return {light_[node % kSide], light_[node / kSide % kSide], light_[node / (kSide * kSide)]};
+    }
+
+    /// Calls visit(node, weight) for the nodes between which a colour is interpolated. Weights are > 0.
+    template <class Visit>
+    void for_corners(const Light& light, const Visit& visit) const {
         struct Axis {
             float part;
             std::size_t step;
@@ -62,29 +100,14 @@ public:
         order(axes[0], axes[1]);
         order(axes[1], axes[2]);
         order(axes[0], axes[1]);
-        Node mixture{};
         const auto add = [&](float weight) {
-            if (!(weight > 0)) return;
-            const float* corner = at_node(node);
-            for (std::size_t i = 0; i < used_; ++i) mixture[i] += weight * corner[i];
+            if (weight > 0) visit(node, weight);
         };
         add(1 - axes[0].part);
         for (std::size_t k = 0; k < 3; ++k) {
             node += axes[k].step;
             add(axes[k].part - (k < 2 ? axes[k + 1].part : 0));
         }
-        return mixture;
-    }
-
-private:
-    static constexpr std::size_t kSide = 17, kNodes = kSide * kSide * kSide;
-    static constexpr std::size_t kSteps = 4096;  // steps of light in [0, 1]; lightness is linear between steps, to 1e-5
-
-    /// Returns the position of a light on an axis, in nodes.
-    float place_of(float light) const {
-        const float step = light * kSteps;
-        const auto below = static_cast<std::size_t>(step);
-        return std::lerp(places_[below], places_[below + 1], step - static_cast<float>(below));
     }
 
     const float* at_node(std::size_t node) {
@@ -96,8 +119,7 @@ private:
     void fill(std::size_t node) {
         const std::lock_guard lock(filling_[node % filling_.size()]);
         if (is_filled_[node].load(std::memory_order_relaxed)) return;
-        const Node values =
-            function_({light_[node % kSide], light_[node / kSide % kSide], light_[node / (kSide * kSide)]});
+        const Node values = function_(colour_of(node));
         std::copy_n(values.begin(), used_, nodes_.begin() + static_cast<std::ptrdiff_t>(node * used_));
         is_filled_[node].store(true, std::memory_order_release);
     }

@@ -5,8 +5,16 @@
 
 namespace ccdt {
 
-/// Relation between the number of equal discs in an area and the share of the area that they cover. Overlaps count
-/// once. The relation holds for dots that distribute() places and polishes.
+/// What is drawn at sites.
+enum class Mark {
+    Disc,  ///< discs of equal size
+    Line,  ///< a line of constant width along a short path through all sites
+};
+
+/// Relation between the number of sites in an area and the share of the area that their marks cover. Overlaps count
+/// once. The relation holds for sites that distribute() places and polishes.
+///
+/// The unit of area is that of a disc, or the square of the width of a line.
 ///
 /// A position is covered if its nearest dot is within the radius. So the curve is the cumulative distribution of the
 /// distance from a random position to the nearest dot. A pixel of a binary raster is covered if its centre is, so on
@@ -17,9 +25,9 @@ public:
     /// areas keep a few white specks. Covering them would take 50 % more dots and change the light by 0.001.
     static constexpr double kMinGain = 0.003;
 
-    CoverageCurve();
+    explicit CoverageCurve(Mark mark = Mark::Disc);
 
-    /// Returns the mean number of dots, per area of one disc, that cover a given share of the plane, in [0, 1]. For
+    /// Returns the mean number of sites, per unit of area, whose marks cover a given share of the plane, in [0, 1]. For
     /// shares above solid(), returns the number for solid().
     double dots(double share) const;
 

@@ -13,6 +13,7 @@
 #include "core/halftone/coverage_curve.h"
 #include "core/halftone/pixel_ranges.h"
 #include "core/halftone/sharpening.h"
+#include "core/halftone/tone.h"
 
 namespace ccdt {
 
@@ -58,9 +59,17 @@ private:
 };
 
 /// Computes the total area of the equal discs that produce a wanted coverage. An overlap counts once for each of its
-/// discs.
-class DiscArea {
+/// marks. For a line, squares of its width take the place of marks.
+class MarkArea {
 public:
+    explicit MarkArea(Mark mark) : curve_(mark), unit_(mark == Mark::Disc ? kPi : 4) {}
+
+    /// Returns the area of a disc of a radius, or the square of the width of a line.
+    double of(double radius) const { return unit_ * radius * radius; }
+
+    /// Returns the radius at which some marks have a total area.
+    double radius(double area, double marks) const { return std::sqrt(area / (unit_ * marks)); }
+
     /// Returns the total disc area that is needed, divided by the wanted coverage.
     /// @param around  mean wanted coverage around the pixel, > 0
     /// @param factor  factor by which the wanted coverage is multiplied
@@ -79,15 +88,16 @@ public:
 
 private:
     CoverageCurve curve_;
+    double unit_;
 };
 
 /// Returns the factor by which the wanted coverage has to be multiplied so that the total disc area is `area`.
-double find_factor(const CoverageHistogram& cover, const DiscArea& discs, double area) {
+double find_factor(const CoverageHistogram& cover, const MarkArea& marks, double area) {
     constexpr int kHalvings = 50;
     double low = 1e-9, high = 1e6;
     for (int i = 0; i < kHalvings; ++i) {
         const double factor = std::sqrt(low * high);
-        (discs.sum(cover, factor) > area ? high : low) = factor;
+        (marks.sum(cover, factor) > area ? high : low) = factor;
     }
     return std::sqrt(low * high);
 }
@@ -98,25 +108,53 @@ constexpr double kSurroundings = 0.7;
 
 /// Converts the wanted coverage of each pixel to the number of dots per pixel. Returns the sum of these numbers.
 /// @param area  area of a dot, in pixels
-double to_density(std::vector<float>& cover, const std::vector<float>& around, const DiscArea& discs, double factor,
+double to_density(std::vector<float>& cover, const std::vector<float>& around, const MarkArea& marks, double factor,
                   double area, Executor& executor) {
     constexpr double kNothing = 1e-6;
     return sum_of_pixels(executor, cover.size(), [&](std::size_t i) {
         const double share = std::clamp(static_cast<double>(around[i]), kNothing, 1.0);
-        cover[i] = static_cast<float>(static_cast<double>(cover[i]) * discs.per_cover(share, factor) / area);
+        cover[i] = static_cast<float>(static_cast<double>(cover[i]) * marks.per_cover(share, factor) / area);
         return static_cast<double>(cover[i]);
     });
+}
+
+/// Converts the wanted coverage of each pixel to the number of dots per pixel that shows local contrast.
+/// @param tone   share of the tone that all dots can cover, < 1/2
+/// @param sites  number of dots
+/// @param area   area of a dot, in pixels
+void to_contrast(std::vector<float>& cover, int width, int height, double tone, double sites, double area,
+                 Executor& executor) {
+    constexpr double kSurroundingsOfSide = 0.04, kMostCover = 0.75;
+    constexpr float kLeast = 0.04f;
+    constexpr int kRounds = 12;
+    for_pixels(executor, cover.size(), [&](std::size_t i) { cover[i] = 1 - lightness(1 - to_share(cover[i])); });
+    const auto around = blurred(cover, width, height, kSurroundingsOfSide * std::max(width, height), executor);
+    const auto part = static_cast<float>(0.9 * (1 - 2 * tone));
+    for_pixels(executor, cover.size(),
+               [&](std::size_t i) { cover[i] = std::max(cover[i] - part * around[i], kLeast * cover[i]); });
+    const auto most = static_cast<float>(kMostCover / area);
+    double scale = 1;
+    const auto dots = [&](std::size_t i) {
+        return std::min(static_cast<double>(cover[i]) * scale, static_cast<double>(most));
+    };
+    for (int round = 0; round < kRounds; ++round) {
+        const double sum = sum_of_pixels(executor, cover.size(), dots);
+        if (!(sum > 0)) break;
+        scale *= sites / sum;
+    }
+    for_pixels(executor, cover.size(), [&](std::size_t i) { cover[i] = static_cast<float>(dots(i)); });
 }
 
 }  // namespace
 
 DotPlan plan_dots(std::vector<std::vector<float>> cover, int width, int height, const DotRequest& request,
                   const std::stop_token& stop, Executor& executor) {
+    constexpr double kLeastTone = 0.5;
     assert(request.sites || request.radius);
     const auto sites = static_cast<double>(request.sites.value_or(0));
-    const DiscArea discs;
+    const MarkArea marks(request.mark);
     const auto radius = [&](const CoverageHistogram& histogram) {
-        return request.radius ? *request.radius : std::sqrt(discs.sum(histogram) / (kPi * sites));
+        return request.radius ? *request.radius : marks.radius(marks.sum(histogram), sites);
     };
     CoverageHistogram first, histogram;
     for (const auto& each : cover) first.add(each, each, executor);
@@ -131,12 +169,17 @@ DotPlan plan_dots(std::vector<std::vector<float>> cover, int width, int height, 
 
     DotPlan plan;
     plan.radius = radius(histogram);
-    const double area = std::max(kPi * plan.radius * plan.radius, kMinDotArea);
-    const double factor = request.sites && request.radius ? find_factor(histogram, discs, sites * area) : 1;
-    plan.tone = discs.tone(histogram, factor);
+    const double area = std::max(marks.of(plan.radius), kMinDotArea);
+    const double factor = request.sites && request.radius ? find_factor(histogram, marks, sites * area) : 1;
+    plan.tone = marks.tone(histogram, factor);
+    plan.shows_contrast = request.may_show_contrast && request.sites && request.radius && plan.tone < kLeastTone;
     for (std::size_t ink = 0; ink < cover.size(); ++ink) {
-        plan.dots.push_back(to_density(cover[ink], around[ink], discs, factor, area, executor));
+        const std::vector<float> own = plan.shows_contrast ? cover[ink] : std::vector<float>{};
+        plan.dots.push_back(to_density(cover[ink], around[ink], marks, factor, area, executor));
         around[ink] = {};
+        if (!plan.shows_contrast) continue;
+        cover[ink] = own;
+        to_contrast(cover[ink], width, height, plan.tone, plan.dots.back(), area, executor);
     }
     plan.density = std::move(cover);
     return plan;

@@ -6,6 +6,7 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/halftone/coverage_curve.h"
 #include "core/parallel/executor.h"
 
 namespace ccdt {
@@ -18,6 +19,8 @@ struct DotRequest {
     std::optional<std::size_t> sites;  ///< number of dots of all inks together, >= 1
     std::optional<double> radius;      ///< radius of the dots, in pixels of the picture, > 0
     double detail = 0;                 ///< standard deviation, in radii, of the blur that sharpening compensates; >= 0
+    Mark mark = Mark::Disc;            ///< the radius of a line is half its width
+    bool may_show_contrast = false;    ///< whether dots may show local contrast if they are few
 };
 
 /// Size and density of dots.
@@ -26,6 +29,7 @@ struct DotPlan {
     double tone = 1;                          ///< area that dots cover, divided by the area that they should cover
     std::vector<std::vector<float>> density;  ///< [inks][width * height] number of dots per pixel of the picture
     std::vector<double> dots;                 ///< [inks] number of dots: the sum of the density
+    bool shows_contrast = false;  ///< whether dots are too few for half of the tone, and show local contrast instead
 };
 
 /// Plans dots of the same size in all inks, such that the dots of each ink cover the wanted share of each part of the
@@ -34,7 +38,8 @@ struct DotPlan {
 ///
 /// If only the number of sites is given, the radius follows from it. If only the radius is given, the number of sites
 /// follows from it. If both are given, the covered share differs from the wanted share by the same factor everywhere,
-/// except where the picture is already solid.
+/// except where the picture is already solid. If this factor is below 1/2, lighter and darker tones would hardly
+/// differ. Dots that may show local contrast then do so: darkness in CIE L*, less a part of the mean darkness around.
 ///
 /// @param cover  [inks][width * height] wanted coverage in [0, 1], at least one value > 0
 /// @param stop   polled once per ink; after a stop the result must not be used

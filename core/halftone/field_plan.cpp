@@ -248,9 +248,10 @@ std::vector<unsigned> useful_sets(const LightPlanes& light, const InkSet& inks, 
     LightPlanes small;
     for (std::size_t c = 0; c < small.size(); ++c)
         small[c] = reduced(light[c], cells.columns, cells.rows, few, executor);
-    std::vector<Light> colours;
-    for (std::size_t i = 0; i < small.front().size(); ++i) colours.push_back(light_at(small, i));
+    std::vector<Light> means;
+    for (std::size_t i = 0; i < small.front().size(); ++i) means.push_back(light_at(small, i));
     const InkMixture whole(inks, all);
+    const std::vector<Light> colours = whole.nodes_of(means);
     std::vector<Overprint::Channels> wanted(colours.size());
     for_ranges(executor, wanted.size(), 1,
                [&](std::size_t i, std::size_t) { wanted[i] = whole.light(whole.solve(colours[i])); });

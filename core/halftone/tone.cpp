@@ -62,15 +62,16 @@ std::size_t default_sites(double ink, double fineness, std::size_t limit) {
     return std::clamp(static_cast<std::size_t>(sites), std::size_t{1}, std::max(limit, std::size_t{1}));
 }
 
-double radius_of_drawing(double pixels, double fineness) {
-    constexpr double kRadius = 3, kPixels = 1e6, kMinRadius = 1;
+double radius_of_drawing(double pixels, double fineness, double usual) {
+    constexpr double kPixels = 1e6, kMinRadius = 1;
     constexpr double kUsualFineness = 0.06, kMaxFactor = 4;
     const double times = std::clamp(fineness / kUsualFineness, 1.0, kMaxFactor);  // factor on the number of dots
-    return std::max(kRadius * std::pow(pixels / kPixels, 0.25) / std::sqrt(times), kMinRadius);
+    return std::max(usual * std::pow(pixels / kPixels, 0.25) / std::sqrt(times), kMinRadius);
 }
 
-std::size_t sites_of_drawing(double ink, double fineness, double scale, double pixels, std::size_t limit) {
-    const double radius = radius_of_drawing(pixels, fineness);
+std::size_t sites_of_drawing(double ink, double fineness, double scale, double pixels, double usual,
+                             std::size_t limit) {
+    const double radius = radius_of_drawing(pixels, fineness, usual);
     const double area = std::numbers::pi * radius * radius;
     const double sites = std::min({ink * scale * scale / area, ink / kMinInkPerDot, kMaxSites});
     return std::clamp(static_cast<std::size_t>(sites), std::size_t{1}, std::max(limit, std::size_t{1}));

@@ -41,14 +41,17 @@ std::vector<float> ink_coverage(const Picture& picture, Tone tone, bool invert, 
 /// @param fineness  fineness of the picture, in [0, 1]
 std::size_t default_sites(double ink, double fineness, std::size_t limit);
 
-/// Returns a radius of dots for a drawing, in pixels of the drawing. For a drawing of a million pixels, the radius is
-/// 3. It grows with the fourth root of the number of pixels, so that a larger drawing has both more dots and larger
-/// dots. If the detail of the picture is finer than in photographs, the radius is smaller, down to half of this value.
-/// The radius is at least 1.
+/// Radius of dots in a drawing of a million pixels, in pixels: discs, and the largest dots of one field.
+inline constexpr double kRadiusOfDiscs = 3, kRadiusOfField = 1.8;
+
+/// Returns a radius of dots for a drawing, in pixels of the drawing. It grows with the fourth root of the number of
+/// pixels, so that a larger drawing has both more dots and larger dots. If the detail of the picture is finer than in
+/// photographs, the radius is smaller, down to half of this value. The radius is at least 1.
 ///
 /// @param pixels    number of pixels of the drawing, > 0
 /// @param fineness  fineness of the picture, in [0, 1]
-double radius_of_drawing(double pixels, double fineness);
+/// @param usual     radius in a drawing of a million pixels
+double radius_of_drawing(double pixels, double fineness, double usual);
 
 /// Returns the number of dots of radius radius_of_drawing() that are needed to cover the ink of a picture. It is at
 /// most two per pixel of ink, which suffices for small pictures, at most 100,000, at most `limit`, and at least 1.
@@ -56,7 +59,7 @@ double radius_of_drawing(double pixels, double fineness);
 /// @param ink     sum of the shares that dots cover, in pixels of the picture
 /// @param scale   pixels of the drawing per pixel of the picture, > 0
 /// @param pixels  number of pixels of the drawing, > 0
-std::size_t sites_of_drawing(double ink, double fineness, double scale, double pixels, std::size_t limit);
+std::size_t sites_of_drawing(double ink, double fineness, double scale, double pixels, double usual, std::size_t limit);
 
 /// Maximum of default_scale(), and maximum number of canvas pixels at the default scale.
 inline constexpr double kLargestScale = 16;

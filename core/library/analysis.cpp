@@ -7,7 +7,7 @@
 #include "core/analysis/analysis.h"
 #include "core/library/conversion.h"
 
-namespace ccdt::v1 {
+namespace ccdt::v2 {
 
 namespace {
 
@@ -66,4 +66,4 @@ PointAnalysis analyze(const std::vector<Point3>& points, const VolumeDomain& dom
     return analyze(std::span(&points, 1), domain, max_frequency, control);
 }
 
-}  // namespace ccdt::v1
+}  // namespace ccdt::v2

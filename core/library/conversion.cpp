@@ -6,7 +6,7 @@
 #include <thread>
 #include <variant>
 
-namespace ccdt::v1 {
+namespace ccdt::v2 {
 namespace {
 
 FailureCode code_of(ccdt::ErrorCode code) {
@@ -170,4 +170,4 @@ ccdt::RepairedDomain make_domain(const Domain& domain, bool repair, const std::s
     return value_of(std::visit(DomainMaker(repair, stop), domain));
 }
 
-}  // namespace ccdt::v1
+}  // namespace ccdt::v2

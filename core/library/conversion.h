@@ -18,7 +18,7 @@
 #include "core/parallel/thread_executor.h"
 #include "core/result.h"
 
-namespace ccdt::v1 {
+namespace ccdt::v2 {
 
 /// Throws an error of core as an Exception.
 [[noreturn]] void raise(const ccdt::Error& error);
@@ -75,4 +75,4 @@ ccdt::Quality core_quality(Quality quality);
 /// @param repair  whether invalid polygons are repaired
 ccdt::RepairedDomain make_domain(const Domain& domain, bool repair, const std::stop_token& stop);
 
-}  // namespace ccdt::v1
+}  // namespace ccdt::v2

@@ -5,7 +5,7 @@
 
 #include "ccdt/ccdt.h"
 
-namespace ccdt::v1 {
+namespace ccdt::v2 {
 
 Exception::Exception(FailureCode code, const std::string& message, std::string field)
     : std::runtime_error(message), code_(code), field_(std::move(field)) {}
@@ -16,4 +16,4 @@ const char* version() noexcept {
     return CCDT_VERSION;
 }
 
-}  // namespace ccdt::v1
+}  // namespace ccdt::v2

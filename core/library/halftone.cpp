@@ -13,19 +13,18 @@
 
 #include "core/ccdt/construction.h"
 #include "core/density/density.h"
-#include "core/halftone/dot_fit.h"
 #include "core/halftone/dot_plan.h"
-#include "core/halftone/ground_outline.h"
+#include "core/halftone/field_drawing.h"
+#include "core/halftone/field_plan.h"
 #include "core/halftone/picture.h"
 #include "core/halftone/pixel_ranges.h"
 #include "core/halftone/reduction.h"
 #include "core/halftone/separation.h"
 #include "core/halftone/srgb.h"
 #include "core/halftone/tone.h"
-#include "core/halftone/two_sided.h"
 #include "core/library/conversion.h"
 
-namespace ccdt::v1 {
+namespace ccdt::v2 {
 namespace {
 
 using Coverage = std::vector<std::vector<float>>;
@@ -159,11 +158,10 @@ public:
         result.width = picture_.width;
         result.height = picture_.height;
         result.channels = options_.colour ? 3 : 1;
-        result.black.resize(static_cast<std::size_t>(result.channels));
         if (options_.sides == Sides::Both) {
-            draw_both(result);
+            draw_areas(result);
         } else {
-            draw_one(result);
+            draw_discs(result);
         }
         return result;
     }
@@ -227,19 +225,20 @@ private:
               "values");
     }
 
-    /// Distributes the dots of each kind.
-    std::vector<ccdt::Distribution> place(std::span<const ccdt::Density> densities,
-                                          std::span<const std::size_t> sites) {
+    /// Places the points.
+    void place(const std::vector<float>& density, Halftone& result) {
         execution_.check_stop();
         const auto domain = value_of(ccdt::Domain::rectangle(picture_.width, picture_.height));
-        auto placed = value_of(ccdt::distribute_inks(domain, densities, sites, run_, execution_.control()));
-        const bool stopped = std::ranges::any_of(placed, &ccdt::Distribution::stopped);
-        if (stopped && !options_.partial) execution_.check_stop();
-        return placed;
+        const auto grid = value_of(ccdt::Density::grid(cells_.columns, cells_.rows, std::span<const float>(density)));
+        const auto placed =
+            value_of(ccdt::distribute_inks(domain, {&grid, 1}, {&run_.sites, 1}, run_, execution_.control()));
+        result.stopped = placed.front().stopped;
+        if (result.stopped && !options_.partial) execution_.check_stop();
+        for (const auto& point : placed.front().points) result.points.push_back({point.x, point.y});
     }
 
-    /// Draws ink dots or paper dots, all of one size.
-    void draw_one(Halftone& result) {
+    /// Draws discs of ink or of paper, all of one size.
+    void draw_discs(Halftone& result) {
         std::vector<float> coverage = grey_coverage();
         const double drawn = ccdt::sum_of_pixels(execution_.executor(), coverage.size(),
                                                  [&](std::size_t i) { return static_cast<double>(coverage[i]); });
@@ -250,26 +249,17 @@ private:
         const auto plan =
             ccdt::plan_dots(std::move(cover), cells_.columns, cells_.rows, {run_.sites, {}, options_.detail},
                             execution_.control().stop, execution_.executor());
-        execution_.check_stop();
-        const auto density =
-            value_of(ccdt::Density::grid(cells_.columns, cells_.rows, std::span<const float>(plan.density.front())));
-        const auto placed = place({&density, 1}, {&run_.sites, 1});
-        const auto radius = static_cast<float>(plan.radius * std::sqrt(cell_area()));
-        const auto white = static_cast<std::uint8_t>(draws_paper() ? 0 : 1);
-        for (const auto& point : placed.front().points) result.dots.push_back({{point.x, point.y}, radius, 1, white});
-        result.stopped = placed.front().stopped;
-        const double right = picture_.width, bottom = picture_.height;
-        if (draws_paper()) result.black.front() = {{{0, 0}, {right, 0}, {right, bottom}, {0, bottom}}};
+        place(plan.density.front(), result);
+        result.radius = plan.radius * std::sqrt(cell_area());
     }
 
-    /// Draws dots on both sides of the tonal scale.
-    void draw_both(Halftone& result) {
+    /// Draws areas of ink by one field.
+    void draw_areas(Halftone& result) {
         // The area that dots draw is measured in cells, whose size follows from the radius. A quarter of the picture is
         // assumed.
         constexpr double kShare = 0.25;
         choose_cells(kShare * pixels());
         Coverage light = channel_coverage();
-        const bool has_dots = ccdt::minority_area(light, execution_.executor()) > 0;
         const bool is_white = std::ranges::all_of(light, [](const std::vector<float>& channel) {
             return std::ranges::all_of(channel, [](float share) { return share == 0; });
         });
@@ -277,50 +267,23 @@ private:
         for (auto& channel : light) {
             for (float& share : channel) share = 1 - share;
         }
-        const auto plan = ccdt::plan_two_sided(std::move(light), cells_, {run_.sites, {}, options_.detail},
-                                               execution_.control().stop, execution_.executor());
-        execution_.check_stop();
-        outline(plan, result);
-        if (has_dots && plan.dots > 0) add_dots(plan, result);
-    }
-
-    void outline(const ccdt::TwoSidedPlan& plan, Halftone& result) const {
+        const auto plan = ccdt::plan_field(std::move(light), cells_, {run_.sites, {}, options_.detail},
+                                           execution_.control().stop, execution_.executor());
+        if (plan.sites > 0) place(plan.density, result);
+        if (!options_.partial) execution_.check_stop();
         const double across = static_cast<double>(picture_.width) / cells_.columns;
         const double down = static_cast<double>(picture_.height) / cells_.rows;
-        for (std::size_t channel = 0; channel < result.black.size(); ++channel) {
-            for (const auto& ring : ccdt::outline_of(plan.channels[channel].ground)) {
-                Ring& corners = result.black[channel].emplace_back();
-                for (const auto& corner : ring) corners.push_back({across * corner.x, down * corner.y});
-            }
-        }
-    }
-
-    void add_dots(const ccdt::TwoSidedPlan& plan, Halftone& result) {
-        std::vector<double> shares;
-        for (const auto& kind : plan.kinds) shares.push_back(kind.share);
-        const std::vector<std::size_t> sites = ccdt::share_sites(shares, run_.sites);
-        std::vector<ccdt::Density> densities(sites.size(), ccdt::Density::uniform());
-        for (std::size_t kind = 0; kind < sites.size(); ++kind) {
-            const std::span<const float> values = plan.kinds[kind].density;
-            if (sites[kind] > 0)
-                densities[kind] = value_of(ccdt::Density::grid(plan.dot_cells.columns, plan.dot_cells.rows, values));
-        }
-        const auto placed = place(densities, sites);
-        std::vector<std::vector<ccdt::Point>> points;
-        points.reserve(placed.size());
-        for (const auto& kind : placed) points.push_back(kind.points);
-        const ccdt::Point size{static_cast<double>(picture_.width), static_cast<double>(picture_.height)};
-        const auto sized = ccdt::size_dots_in_pixels(plan, size, std::move(points), true, execution_.control().stop,
-                                                     execution_.executor());
-        // A stop leaves the radii as they are after the completed rounds of the fit.
+        std::vector<ccdt::Point> sites;
+        for (const Point& point : result.points) sites.push_back({point.x / across, point.y / down});
+        // A stop leaves the areas as they are after the completed rounds of the fit.
+        const ccdt::FieldDrawing drawing(plan, sites, std::nullopt, execution_.control().stop, execution_.executor());
         if (!options_.partial) execution_.check_stop();
-        result.stopped = execution_.control().stop.stop_requested();
-        for (std::size_t kind = 0; kind < placed.size(); ++kind) {
-            const auto flips = static_cast<std::uint8_t>(plan.kinds[kind].flips);
-            result.stopped = result.stopped || placed[kind].stopped;
-            for (std::size_t i = 0; i < placed[kind].points.size(); ++i) {
-                const auto [x, y] = placed[kind].points[i];
-                result.dots.push_back({{x, y}, sized[kind].radii[i], flips, sized[kind].white[i]});
+        result.stopped = result.stopped || execution_.control().stop.stop_requested();
+        for (const auto& channel : drawing.outlines()) {
+            auto& rings = result.rings.emplace_back();
+            for (const auto& ring : channel) {
+                Ring& corners = rings.emplace_back();
+                for (const auto& p : ring) corners.push_back({picture_.width * p.x, picture_.height * p.y});
             }
         }
     }
@@ -340,4 +303,4 @@ Halftone halftone(const PictureView& picture, std::size_t sites, const HalftoneO
     return Halftoning(picture, sites, options, control).run();
 }
 
-}  // namespace ccdt::v1
+}  // namespace ccdt::v2

@@ -4,7 +4,7 @@
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
-# Adds a shared library that exports the interface of version 1 only.
+# Adds a shared library that exports the interface of version 2 only.
 #   ccdt_add_shared_library(NAME OUTPUT INTERFACE PART...)
 # NAME is the name of the target, after `ccdt::`, for other projects. INTERFACE is an object library with the exported
 # functions, and PARTs are static libraries that become part of the shared one.

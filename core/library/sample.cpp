@@ -8,7 +8,7 @@
 #include "core/library/conversion.h"
 #include "core/order/progressive_order.h"
 
-namespace ccdt::v1 {
+namespace ccdt::v2 {
 namespace {
 
 ccdt::Density density_of(const std::optional<DensityGrid>& grid) {
@@ -66,4 +66,4 @@ std::vector<std::uint32_t> progressive_order(const Domain& domain, std::span<con
     return order;
 }
 
-}  // namespace ccdt::v1
+}  // namespace ccdt::v2

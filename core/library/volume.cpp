@@ -13,7 +13,7 @@
 #include "core/volume/distribute_volume.h"
 #include "core/volume/solid.h"
 
-namespace ccdt::v1 {
+namespace ccdt::v2 {
 namespace {
 
 ccdt::VoxelDensity density_of(const std::optional<VoxelGrid>& grid) {
@@ -96,4 +96,4 @@ VolumeSample sample_volume(const VolumeDomain& domain, std::size_t sites, const 
     return result;
 }
 
-}  // namespace ccdt::v1
+}  // namespace ccdt::v2

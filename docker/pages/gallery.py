@@ -213,29 +213,30 @@ def device(name, photograph, title):
 SECTIONS = (
     Section("Before and after", """A photograph becomes dots that reproduce its tones. These drawings are made for a
         screen, and tolerate scaling by the browser.""", (
-            Exhibit("Light areas are bare paper with dots of ink, dark areas solid ink with dots of paper.",
-                    "A smiling astronaut in an orange suit, as black dots on white and white dots on black",
+            Exhibit("Light areas have dots of ink, dark areas holes in the ink.",
+                    "A smiling astronaut in an orange suit, as black dots on white and white holes in black",
                     "ccdt halftone astronaut.jpg -o astronaut.webp",
                     before=("astronaut.jpg", "The photograph of the astronaut")),
             Exhibit("Fine detail, such as whiskers, gets more and smaller dots.", "The face of a cat as dots",
                     "ccdt halftone cat.jpg -o cat.webp", before=("cat.jpg", "The photograph of the cat")),
-            Exhibit("The boundary between ink and paper follows the edges of the picture.",
+            Exhibit("The ink follows the edges of the picture.",
                     "A man with a camera on a tripod, as dots", "ccdt halftone camera.jpg -o camera.webp",
                     before=("camera.jpg", "The photograph of the man with the camera")),
         )),
-    Section("Ink and paper", """Dots may be of ink, of bare paper, or of both. Ink and paper may have any colours.""", (
+    Section("Ink and paper", """Dots may be of ink, of bare paper, or of ink with holes. Ink and paper may have any
+        colours.""", (
         Exhibit("Ink only, with dots of one size.", "The man with the camera as black dots on white",
                 "ccdt halftone camera.jpg --dots ink -o ink.webp"),
         Exhibit("Paper only: light dots on a dark ground.", "The man with the camera as white dots on black",
                 "ccdt halftone camera.jpg --dots paper -o paper.webp"),
         Exhibit("Blue ink on cream paper.", "The cat in dark blue on cream",
                 "ccdt halftone cat.jpg --foreground '#1b3a6b' --background '#fbf3dc' -o blue.webp"),
-        Exhibit("Large dots, of ink and of paper.", "The cat as large dots",
+        Exhibit("Large dots, and large holes in the ink.", "The cat as large dots",
                 "ccdt halftone cat.jpg --dot 7 -o large.webp"),
     )),
-    Section("Colour", """Each ink has its own dots. Dots of different inks keep apart where there is space. Custom inks
-        are mixed so that their mean colour is as near as possible to that of the picture.""", (
-            Exhibit("Cyan, magenta, yellow and black.", "The astronaut as dots of cyan, magenta, yellow and black",
+    Section("Colour", """All inks have the same sites. They are mixed so that their mean colour is as near as possible to
+        that of the picture.""", (
+            Exhibit("Cyan, magenta and yellow.", "The astronaut in cyan, magenta and yellow ink",
                     "ccdt halftone astronaut.jpg --color cmyk --width 800 -o cmyk.webp",
                     before=("astronaut.jpg", "The photograph of the astronaut")),
             Exhibit("Risograph: fluorescent pink, blue and yellow.", "The astronaut in pink, blue and yellow ink",

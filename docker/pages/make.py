@@ -57,7 +57,7 @@ def read_headers(tags):
         path = pathlib.Path(compound.findtext("path")) / compound.findtext("name")
         if path.suffix != ".h":
             continue
-        symbols = {re.sub("^ccdt::(?:(?:api|server|v1)::)?", "", found.text): classes[found.text]
+        symbols = {re.sub("^ccdt::(?:(?:api|server|v2)::)?", "", found.text): classes[found.text]
                    for found in compound.iterfind("class")}
         for member in compound.iterfind("member"):
             name = member.findtext("name")

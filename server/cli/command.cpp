@@ -149,11 +149,11 @@ struct GroupRow {
 constexpr auto kGroups = std::to_array<GroupRow>({
     {"Area", " domain mesh=FILE depth polygon holes geometry object coordinates invalid buffer avoid exclude "},
     {"Dots", " sites minutes per classes properties density fixed sets dot dots tone detail levels alpha invert "},
-    {"Colour", " color palette foreground background layers "},
+    {"Colour", " color palette foreground background "},
     {"Placement", " method quality iterations passes tolerance crease order mesh seed "},
     {"Analysis", " max-frequency spectrum modes "},
     {"Format and size", " format multipoint width height scale fit antialias width-mm "},
-    {"Plotters", " style pen speed dwell dwell-unit pen-down pen-up "},
+    {"Plotters", " style closed pen speed dwell dwell-unit pen-down pen-up "},
     {"Devices", " device rotate spot bit-order invert-bits "},
     {"Pixels of a raster", " include calibration "},
     {"Files and messages", " output quiet json help "},

@@ -513,7 +513,7 @@ TEST(UsualSites, TakeAtMostTwoSecondsToPlace) {
     EXPECT_EQ(most({}), 100'000U);
     EXPECT_EQ(most({{"iterations", "1000"}}), 4096U) << "the minimum of the default number";
     for (const std::vector<TextOption>& options :
-         {std::vector<TextOption>{{"quality", "best"}}, {{"iterations", "40"}}, {{"color", "cmyk"}}}) {
+         {std::vector<TextOption>{{"quality", "best"}}, {{"iterations", "40"}}, {{"color", "cmyk"}, {"dots", "ink"}}}) {
         const std::size_t sites = most(options);
         EXPECT_LT(sites, 100'000U);
         EXPECT_GT(sites, 4096U);

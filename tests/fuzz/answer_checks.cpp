@@ -33,14 +33,13 @@ void check_run(const Json& run) {
     for (const Json& step : run.at("trace")) CCDT_CHECK(step.at("variation").get<double>() >= 0);
 }
 
-/// Checks that dots on both sides of the tonal scale have a radius and a side each.
-void check_sides(const Json& json) {
-    if (!json.contains("ground")) return;
-    const std::size_t dots = json.at("points").size();
-    CCDT_CHECK(json.at("radii").size() == dots && json.at("side").size() == dots);
-    for (const Json& radius : json.at("radii")) CCDT_CHECK(radius.get<double>() >= 0);
-    for (const Json& side : json.at("side")) CCDT_CHECK(side == "ink" || side == "paper");
-    for (const Json& ring : json.at("ground")) CCDT_CHECK(ring.size() >= 3);
+/// Checks the outlines of ink, if there are any.
+void check_rings(const Json& part) {
+    if (!part.contains("rings")) return;
+    for (const Json& ring : part.at("rings")) {
+        CCDT_CHECK(ring.size() >= 3);
+        for (const Json& corner : ring) CCDT_CHECK(corner.size() == 2);
+    }
 }
 
 double number(std::string_view text) {
@@ -59,15 +58,15 @@ void check_cost(const api::Cost& cost) {
 std::vector<Point> points_of_json(const std::string& body) {
     const Json json = parse(body);
     std::vector<Point> points;
-    const char* parts = json.contains("kinds") ? "kinds" : "inks";
-    if (json.contains(parts)) {
-        for (const Json& part : json.at(parts)) {
-            check_run(part);
-            append_points(part.at("points"), points);
-        }
-    } else {
+    for (const Json& part : json.value("inks", Json::array())) {
+        check_rings(part);
+        if (json.contains("points")) continue;
+        check_run(part);
+        append_points(part.at("points"), points);
+    }
+    if (json.contains("points")) {
         check_run(json);
-        check_sides(json);
+        check_rings(json);
         append_points(json.at("points"), points);
     }
     CCDT_CHECK(json.at("sites").get<std::size_t>() == points.size());

@@ -87,7 +87,7 @@ std::vector<api::TextOption> take_options(Bytes& input) {
 
 void check_points(const std::vector<Point>& points, const api::HalftoneRequest& request, const api::Answer& answer) {
     CCDT_CHECK(points.size() == answer.sites);
-    // Grounds may represent the whole picture without dots.
+    // A picture of bare paper and solid ink needs no dots.
     const bool has_none = request.dots == api::Dots::Both && points.empty();
     CCDT_CHECK(has_none || !request.sites || points.size() == *request.sites);
     CCDT_CHECK(has_none || !points.empty());
@@ -106,8 +106,8 @@ void check_answer(const api::HalftoneRequest& request, const api::Answer& answer
     if (format == "svg") return check_svg(answer.body);
     if (format == "json") return check_points(points_of_json(answer.body), request, answer);
     if (format == "csv") return check_points(points_of_csv(answer.body), request, answer);
-    const bool is_named = request.palette.mixing != api::Mixing::Cover;
-    const std::size_t columns = (request.dots == api::Dots::Both ? 4 : 2) + (is_named ? 1 : 0);
+    const bool is_named = request.palette.mixing != api::Mixing::Cover && request.dots != api::Dots::Both;
+    const std::size_t columns = is_named ? 3 : 2;
     if (format == "npy") return check_points(points_of_npy(answer.body, columns), request, answer);
 }
 

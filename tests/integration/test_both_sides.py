@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Halftones with dots on both sides of the tonal scale: ink dots on white ground, paper dots on black ground."""
+"""Halftones drawn by one field: dots in the light, a net in the middle, holes in the dark."""
 
 import csv
 import io
@@ -9,7 +9,6 @@ import unittest
 from xml.etree import ElementTree
 
 import numpy
-import shapely.geometry
 from PIL import Image, ImageDraw
 
 from harness import PICTURES, ServerCase, execute, file_of, flat, inside, linear, pixels
@@ -18,7 +17,6 @@ from seen import LIGHT, ciede2000, lab, seen_light
 ASTRONAUT = (PICTURES / "astronaut.png").read_bytes()
 CAMERA = (PICTURES / "camera.png").read_bytes()
 SVG = "{http://www.w3.org/2000/svg}"
-LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 
 
 def light(file):
@@ -48,14 +46,10 @@ def drawn_by_librsvg(svg, shape):
         return target.read_bytes()
 
 
-def rings(answer):
-    return [numpy.array(ring) for ring in answer["ground"]]
-
-
-def is_far_from_boundary(answer):
-    """Returns for each dot whether it is farther from the boundary of the ground than the error of the outline."""
-    boundary = shapely.geometry.MultiLineString([[*ring, ring[0]] for ring in answer["ground"]])
-    return numpy.array([shapely.geometry.Point(point).distance(boundary) > 0.5 for point in answer["points"]])
+def area(rings):
+    """Returns the area that rings enclose by the even-odd rule, if inner rings turn the other way."""
+    twice = sum((x * numpy.roll(y, -1) - numpy.roll(x, -1) * y).sum() for x, y in (numpy.array(ring).T for ring in rings))
+    return abs(twice) / 2
 
 
 class Tone(ServerCase):
@@ -66,24 +60,15 @@ class Tone(ServerCase):
                 drawn = self.halftone(file_of(flat(level, 128, 128)), "?sites=2000&scale=4&antialias=true")
                 self.assertAlmostEqual(light(drawn.body).mean(), linear(level), delta=0.004)
 
-    def test_dots_never_cover_more_than_half(self):
-        for level in (60, 120, 180, 190, 200):
+    def test_outlines_enclose_the_ink(self):
+        for level in (20, 60, 120, 180, 190, 200, 240):
             dots = self.halftone(file_of(flat(level, 128, 128)), "?sites=2000&format=json&dots=both").json()
-            covered = numpy.pi * (numpy.array(dots["radii"]) ** 2).sum() / 128 ** 2
-            self.assertAlmostEqual(covered, min(linear(level), 1 - linear(level)), delta=0.01)
+            self.assertAlmostEqual(area(dots["rings"]) / 128 ** 2, 1 - linear(level), delta=0.004)
 
     def test_foreground_and_background_are_used(self):
         drawn = self.halftone(CAMERA, "?sites=2000&scale=4&foreground=%23024&background=%23fda").picture("RGB")
         colours = {tuple(colour) for colour in numpy.unique(drawn.reshape(-1, 3), axis=0).tolist()}
         self.assertEqual(colours, {(0, 0x22, 0x44), (255, 0xdd, 0xaa)})
-
-    def test_tone_is_reported_for_given_number_and_radius(self):
-        for dots, radius in ((1000, 1), (3000, 1)):
-            answer = self.halftone(file_of(flat(210, 200, 200)), f"?sites={dots}&scale=4&dot={4 * radius}&antialias=true")
-            tone = float(answer.headers["x-tone"])
-            self.assertLess(tone, 1)
-            seen = 1 - light(answer.body).mean()
-            self.assertAlmostEqual(seen / (1 - linear(210)), tone, delta=0.02 * tone)
 
 
 class BlackAndWhite(ServerCase):
@@ -94,14 +79,15 @@ class BlackAndWhite(ServerCase):
                 drawn = self.halftone(file_of(picture), "?scale=1" + query)
                 numpy.testing.assert_array_equal(pixels(drawn.body, "L"), picture)
         dots = self.halftone(file_of(picture), "?dots=both&format=json").json()
-        self.assertEqual((dots["sites"], dots["points"], dots["radii"], dots["side"]), (0, [], [], []))
+        self.assertEqual((dots["sites"], dots["points"]), (0, []))
+        self.assertAlmostEqual(area(dots["rings"]), (picture == 0).sum(), delta=0.02 * picture.size)
 
     def test_black_is_solid(self):
         black = file_of(flat(0, 30, 20))
         self.assertFalse(self.halftone(black, "?scale=3").picture().any())
         dots = self.halftone(black, "?dots=both&format=json").json()
         self.assertEqual(dots["sites"], 0)
-        self.assertAlmostEqual(sum(shapely.geometry.Polygon(ring).area for ring in dots["ground"]), 30 * 20)
+        self.assertEqual(area(dots["rings"]), 30 * 20)
 
 
 class Lists(ServerCase):
@@ -109,45 +95,32 @@ class Lists(ServerCase):
         for sites in (1, 7, 1000, 20_000):
             dots = self.halftone(CAMERA, f"?sites={sites}&dots=both&format=json").json()
             self.assertEqual(dots["sites"], sites)
-            for member in ("points", "radii", "side"):
-                self.assertEqual(len(dots[member]), sites, member)
+            self.assertEqual(len(dots["points"]), sites)
 
-    def test_sides_agree_with_the_ground(self):
-        for data in (CAMERA, ASTRONAUT):
-            dots = self.halftone(data, "?sites=8000&dots=both&format=json").json()
-            on_black = inside(dots["points"], rings(dots))
-            is_paper = numpy.array(dots["side"]) == "paper"
-            self.assertTrue(0.05 < is_paper.mean() < 0.95)
-            far = is_far_from_boundary(dots)
-            self.assertGreater(far.mean(), 0.7)
-            numpy.testing.assert_array_equal(is_paper[far], on_black[far])
-
-    def test_hold_the_same_dots_in_all_formats(self):
+    def test_hold_the_same_sites_in_all_formats(self):
         query = "?sites=900&dots=both&format="
         dots = self.halftone(ASTRONAUT, query + "json").json()
-        expected = numpy.column_stack([dots["points"], dots["radii"], [side == "paper" for side in dots["side"]]])
         array = numpy.load(io.BytesIO(self.halftone(ASTRONAUT, query + "npy").body), allow_pickle=False)
-        numpy.testing.assert_allclose(array, expected, rtol=1e-6)
+        numpy.testing.assert_array_equal(array, dots["points"])
         rows = list(csv.reader(io.StringIO(self.halftone(ASTRONAUT, query + "csv").body.decode(), newline="")))
-        self.assertEqual(rows[0], ["x", "y", "radius", "side"])
-        self.assertEqual([row[3] for row in rows[1:]], dots["side"])
-        numpy.testing.assert_allclose(numpy.array([row[:3] for row in rows[1:]], float), expected[:, :3], rtol=1e-6)
+        self.assertEqual(rows[0], ["x", "y"])
+        numpy.testing.assert_array_equal(numpy.array(rows[1:], float), array)
 
     def test_agree_with_drawings(self):
         scale = 8
         dots = self.halftone(CAMERA, "?sites=2000&dots=both&format=json").json()
         drawn = self.halftone(CAMERA, f"?sites=2000&scale={scale}").picture()
-        uncut = numpy.flatnonzero(is_far_from_boundary(dots))
-        for i in uncut[::50]:
-            x, y = (numpy.array(dots["points"][i]) * scale).astype(int)
-            self.assertEqual(drawn[y, x], dots["side"][i] == "paper", dots["points"][i])
+        places = numpy.random.default_rng(1).integers(0, drawn.shape[0], (4000, 2))
+        is_ink = inside((places + 0.5) / scale, [numpy.array(ring) for ring in dots["rings"]])
+        # Contours are fitted to the areas of polygons, and pixels to theirs, so rims differ by a hundredth of a pitch.
+        self.assertGreater((drawn[places[:, 1], places[:, 0]] == ~is_ink).mean(), 0.97)
 
     def test_have_ink_dots_by_default(self):
         for form in ("json", "csv", "npy"):
             usual, ink = (self.halftone(CAMERA, f"?sites=300&seed=4&format={form}{dots}").body
                           for dots in ("", "&dots=ink"))
             if form == "json":
-                self.assertNotIn(b'"ground"', usual)
+                self.assertNotIn(b'"rings"', usual)
             else:
                 self.assertEqual(usual, ink)
 
@@ -160,7 +133,7 @@ class Drawings(ServerCase):
                 ours = light(self.halftone(data, query + "&antialias=true").body)
                 theirs = pixels(drawn_by_librsvg(self.halftone(data, query + "&format=svg").body, ours.shape), "L") / 255
                 self.assertLess(abs(ours.mean() - theirs.mean()), 0.01)
-                self.assertLess(numpy.abs(ours - theirs).mean(), 0.02)
+                self.assertLess(numpy.abs(ours - theirs).mean(), 0.025)
 
 
 class Colour(ServerCase):
@@ -177,27 +150,19 @@ class Colour(ServerCase):
             seen = LIGHT[pixels(drawn.body, "RGB")].mean((0, 1))
             numpy.testing.assert_allclose(seen, [linear(value) for value in colour], atol=0.004)
 
-    def test_greys_have_black_and_white_dots_only(self):
+    def test_greys_have_the_same_outlines_in_all_inks(self):
         answer = self.halftone(CAMERA, "?sites=1000&color=cmyk&dots=both&format=json").json()
-        self.assertEqual([kind["flips"] for kind in answer["kinds"]], [["cyan", "magenta", "yellow"]])
-        first, *others = (ground["rings"] for ground in answer["grounds"])
+        self.assertEqual(len(answer["points"]), 1000)
+        first, *others = (ink["rings"] for ink in answer["inks"])
         self.assertTrue(all(rings == first for rings in others))
 
-    def test_lists_hold_the_same_dots_in_all_formats(self):
-        query = "?sites=900&color=cmyk&dots=both&format="
-        answer = self.halftone(ASTRONAUT, query + "json").json()
-        self.assertEqual(answer["sites"], 900)
-        self.assertEqual(sum(kind["sites"] for kind in answer["kinds"]), 900)
-        inks = [ground["ink"] for ground in answer["grounds"]]
-        array = numpy.load(io.BytesIO(self.halftone(ASTRONAUT, query + "npy").body), allow_pickle=False)
-        rows = [(*point, radius, sum(1 << inks.index(ink) for ink in kind["flips"])) for kind in answer["kinds"]
-                for point, radius in zip(kind["points"], kind["radii"])]
-        numpy.testing.assert_allclose(array[:, :4], numpy.array(rows), rtol=1e-6)
-        table = list(csv.reader(io.StringIO(self.halftone(ASTRONAUT, query + "csv").body.decode(), newline="")))
-        self.assertEqual(table[0], ["x", "y", "radius", "flips", "ground"])
-        for row, numbers in zip(table[1:], array):
-            for text, bits in zip(row[3:], numbers[3:].astype(int)):
-                self.assertEqual(text, "+".join(ink for i, ink in enumerate(inks) if bits >> i & 1) or "paper")
+    def test_outlines_enclose_the_ink(self):
+        for color, names in (("cmyk", ["cyan", "magenta", "yellow"]), ("rgb", ["red", "green", "blue"])):
+            answer = self.halftone(ASTRONAUT, f"?sites=3000&color={color}&dots=both&format=json").json()
+            self.assertEqual([ink["name"] for ink in answer["inks"]], names)
+            light = LIGHT[pixels(ASTRONAUT, "RGB")].mean((0, 1))
+            covered = [area(ink["rings"]) / (answer["width"] * answer["height"]) for ink in answer["inks"]]
+            numpy.testing.assert_allclose(covered, light if color == "rgb" else 1 - light, atol=0.01)
 
 
 class Palettes(ServerCase):
@@ -224,7 +189,7 @@ class Palettes(ServerCase):
                 self.assertLess(self.difference(picture, 2000, 6, "&dots=both" + self.query(count)), 0.6)
 
     def test_photographs_look_no_worse_than_in_ink(self):
-        for count in (1, 2, 3):
+        for count in (1, 2, 3, 4, 6):
             with self.subTest(inks=count):
                 both, ink = (self.difference(ASTRONAUT, 8000, 2, self.query(count) + dots)
                              for dots in ("", "&dots=ink"))
@@ -240,13 +205,14 @@ class Palettes(ServerCase):
         for colour in found:
             self.assertLess(min(abs(LIGHT[colour] - each).max() for each in expected), 0.01, colour)
 
-    def test_lists_name_the_inks_that_dots_flip(self):
+    def test_lists_have_the_outlines_of_each_ink(self):
         answer = self.halftone(ASTRONAUT, "?sites=900&dots=both&format=json" + self.query(4)).json()
-        names = ["#" + ink for ink in self.RISO[:4]]
-        self.assertEqual([ground["ink"] for ground in answer["grounds"]], names)
-        self.assertEqual(sum(kind["sites"] for kind in answer["kinds"]), 900)
-        for kind in answer["kinds"]:
-            self.assertEqual(kind["flips"], [name for name in names if name in kind["flips"]])
+        self.assertEqual([ink["name"] for ink in answer["inks"]], ["#" + ink for ink in self.RISO[:4]])
+        self.assertEqual(len(answer["points"]), 900)
+        places = numpy.random.default_rng(1).random((500, 2)) * (answer["width"], answer["height"])
+        for ink in answer["inks"]:
+            covered = inside(places, [numpy.array(ring) for ring in ink["rings"]]).mean()
+            self.assertTrue(0.01 < covered < 0.99, ink["name"])
 
     def test_svg_looks_like_png(self):
         query = "?sites=3000&scale=4&antialias=true" + self.query(3)
@@ -255,16 +221,13 @@ class Palettes(ServerCase):
         self.assertLess(abs(ours.mean((0, 1)) - theirs.mean((0, 1))).max(), 0.02)
         self.assertLess(numpy.abs(ours - theirs).mean(), 0.05)
 
-    def test_svg_has_a_layer_for_each_kind_if_requested(self):
-        for colours in ("&color=cmyk", "&color=rgb", self.query(3)):
+    def test_svg_has_a_layer_for_each_ink(self):
+        for colours, count in (("&color=cmyk", 3), ("&color=rgb", 3), (self.query(4), 4)):
             with self.subTest(colours=colours):
                 query = "?sites=500&scale=2" + colours
                 ours = LIGHT[pixels(self.halftone(ASTRONAUT, query + "&antialias=true").body, "RGB")]
-                svg = self.halftone(ASTRONAUT, query + "&format=svg&layers=kind").body
-                kinds = self.halftone(ASTRONAUT, query + "&dots=both&format=json").json()["kinds"]
-                layers = [layer.get(LABEL) for layer in ElementTree.fromstring(svg).findall(SVG + "g")]
-                self.assertEqual(layers[0], "ground")
-                self.assertEqual(len(layers), 1 + len(kinds))
+                svg = self.halftone(ASTRONAUT, query + "&format=svg").body
+                self.assertEqual(len(ElementTree.fromstring(svg).findall(SVG + "g")), count)
                 theirs = LIGHT[pixels(drawn_by_librsvg(svg, ours.shape), "RGB")]
                 self.assertLess(abs(ours.mean((0, 1)) - theirs.mean((0, 1))).max(), 0.02)
                 self.assertLess(numpy.abs(ours - theirs).mean(), 0.05)
@@ -280,7 +243,7 @@ class Options(ServerCase):
                 ("dots=both&palette=%23f00&style=stroke&format=svg", "dots", "style=fill"),
                 ("dots=both&tone=density", "dots", "tone=density"),
                 ("dots=both&style=stroke&format=svg", "dots", "style=fill"),
-                ("dots=both&background=transparent&format=svg", "dots", "background"),
+                ("dots=both&sites=500&dot=3", "dot", "together with sites"),
                 ("dots=paper&color=rgb", "dots", "color=gray"), ("dots=none", "dots", "'both' or 'ink' or 'paper'"),
                 ("dots=both&invert=true", "invert", "contradicts dots"),
                 ("dots=ink&invert=true", "invert", "contradicts dots"),
@@ -296,15 +259,14 @@ class Options(ServerCase):
             self.assertEqual(usual, both)
             self.assertNotEqual(usual, ink)
 
-    def test_of_up_to_three_inks_are_both_by_default(self):
-        for count in (3, 4):
+    def test_of_any_number_of_inks_are_both_by_default(self):
+        for count in (1, 3, 6):
             query = "?sites=300&palette=" + ",".join("%23" + ink for ink in Palettes.RISO[:count])
-            usual, ink = (self.halftone(ASTRONAUT, query + dots).body for dots in ("", "&dots=ink"))
-            self.assertEqual(usual == ink, count == 4)
+            usual, both = (self.halftone(ASTRONAUT, query + dots).body for dots in ("", "&dots=both"))
+            self.assertEqual(usual, both)
 
     def test_of_pens_and_of_densities_are_ink_by_default(self):
-        for query in ("format=svg&style=stroke", "tone=density", "format=svg&background=transparent",
-                      "palette=%23000&style=stroke&format=svg"):
+        for query in ("format=svg&style=stroke", "tone=density", "palette=%23000&style=stroke&format=svg"):
             usual, ink = (self.halftone(CAMERA, f"?sites=300&{query}{dots}").body for dots in ("", "&dots=ink"))
             self.assertEqual(usual, ink, query)
 

@@ -231,15 +231,15 @@ def map_of(people):
 class Options(ContractCase):
     # A request in which the option makes a difference.
     BASES = {("/halftone", "style"): {"format": "svg"}, ("/halftone", "antialias"): {"format": "png"},
-             ("/halftone", "dot"): {"format": "png"}, ("/halftone", "alpha"): {"image": data_uri(SHADOW)}, ("/halftone", "foreground"): {"format": "png"},
+             ("/halftone", "dot"): {"format": "png", "dots": "ink"}, ("/halftone", "alpha"): {"image": data_uri(SHADOW)}, ("/halftone", "foreground"): {"format": "png"},
              ("/halftone", "background"): {"format": "png"}, ("/halftone", "width"): {"format": "png", "height": 1},
              ("/halftone", "height"): {"format": "png", "width": 1},
              ("/halftone", "fit"): {"format": "png", "width": 30, "height": 10},
-             ("/halftone", "layers"): {"format": "svg", "color": "cmyk"},
              ("/sample", "style"): {"format": "svg"}, ("/sample", "multipoint"): {"format": "geojson"},
              **{(path, option): {"format": "gcode", "style": "spiral", "width_mm": 100}
                 for path in ("/halftone", "/sample") for option in ("speed", "dwell", "dwell_unit", "pen_down", "pen_up")},
-             **{(path, "pen"): {"format": "svg", "style": "path", "width_mm": 100} for path in ("/halftone", "/sample")},
+             **{(path, "closed"): {"format": "svg", "style": "path", "width_mm": 100} for path in ("/halftone", "/sample")},
+             **{(path, "pen"): {"format": "svg", "style": "spiral", "width_mm": 1} for path in ("/halftone", "/sample")},
              ("/sample", "per"): {"domain": None, "geometry": map_of(20), "sites": "people"},
              ("/sample", "buffer"): {"domain": {"type": "rectangle", "width": 1, "height": 1}},
              ("/sample", "coordinates"): {"domain": None, "polygon": [[0, 0], [90, 0], [90, 80]]}}
@@ -337,9 +337,9 @@ class Options(ContractCase):
                     self.refuse(path, option, wrong[described["type"]])
 
     def test_have_the_documented_defaults(self):
-        others = {"seed": 1, "per": 2, "iterations": 6, "passes": 6, "quality": "best", "dot": 0.5, "detail": 1, "alpha": "linear", "levels": [0.2, 1], "fit": "cover", "layers": "kind",
+        others = {"seed": 1, "per": 2, "iterations": 6, "passes": 6, "quality": "best", "dot": 0.5, "detail": 1, "alpha": "linear", "levels": [0.2, 1], "fit": "cover",
                   "tone": "perceptual", "foreground": "#123456", "background": "#123456",
-                  "color": "cmyk", "style": "stroke", "pen": 1, "speed": 50, "dwell": 1, "dwell_unit": "ms", "pen_down": "M3", "pen_up": "M4", "method": "odt", "mesh": True, "coordinates": "lonlat",
+                  "color": "cmyk", "style": "stroke", "closed": True, "pen": 1, "speed": 50, "dwell": 1, "dwell_unit": "ms", "pen_down": "M3", "pen_up": "M4", "method": "odt", "mesh": True, "coordinates": "lonlat",
                   "max_frequency": 5, "spectrum": True, "multipoint": False, "buffer": 0.1, "format": "svg", "domain": {"type": "rectangle", "width": 2, "height": 1}}
         alike = {"on_deadline", "invalid"}  # these make no difference to a request that is valid and in time
         tried = set()

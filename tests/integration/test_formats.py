@@ -196,7 +196,7 @@ class Drawings(FormatCase):
                 self.same_picture(self.made("svg", **body).body, png.body)
 
     def test_halftone_svg_looks_like_png(self):
-        for query in ("?sites=3000", "?sites=2000&scale=2&dot=4", "?sites=3000&dots=ink",
+        for query in ("?sites=3000", "?scale=2&dot=4", "?sites=3000&dots=ink",
                       "?sites=2000&scale=2&dot=4&dots=ink", "?sites=1000&style=stroke&width_mm=120"):
             with self.subTest(query=query):
                 svg = self.dots(query + "&format=svg")
@@ -209,8 +209,7 @@ class Drawings(FormatCase):
         for root in (ink, both):
             self.assertEqual(root.find(SVG + "rect").get("fill"), "#001122")
         self.assertEqual(ink.find(SVG + "g").get("fill"), "#ff8800")
-        fills = {layer.get("id"): {part.get("fill") for part in layer} for layer in both.findall(SVG + "g")}
-        self.assertEqual(fills, {"layer1": {"#ff8800"}, "layer2": {"#ff8800"}, "layer3": {"#001122"}})
+        self.assertEqual([path.get("fill") for path in both.findall(SVG + "path")], ["#ff8800"])
 
     def test_png_has_the_requested_size(self):
         body = {"sites": 100, "domain": {"type": "rectangle", "width": 3, "height": 1}, "width": 600}

@@ -30,7 +30,7 @@ class Wedge(ServerCase):
     def test_flat_greys_at_their_own_size_and_enlarged(self):
         for share in (0.005, 0.02, 0.1, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 0.995):
             level = int(numpy.argmin(abs(1 - LIGHT - share)))
-            for query, most in (("", 0.75), ("?dots=ink", 1.5)):
+            for query, most in (("", 1), ("?dots=ink", 1.5)):
                 with self.subTest(share=share, query=query):
                     drawing = self.halftone(file_of(flat(level, 300, 300)), query).body
                     own, twice = luminance(drawing).mean(), luminance_enlarged(drawing).mean()

@@ -183,7 +183,7 @@ class Jobs(ServerCase):
 
     def test_results_report_the_size_of_dots(self):
         picture = (PICTURES / "camera.png").read_bytes()
-        for query in ("sites=900", "sites=900&dot=2", "sites=900&tone=density"):
+        for query in ("sites=900", "sites=900&dot=2&dots=ink", "sites=900&tone=density"):
             path = "/halftone?" + query
             now = ask(self.server, path, data=picture)
             job = ask(self.server, path, *LATER, data=picture).headers["location"]

@@ -132,7 +132,7 @@ class Pdf:
     """
 
     def __init__(self, file):
-        self.file, self.discs, self.areas, self.strokes, self.clips = file, [], 0, [], 0
+        self.file, self.discs, self.areas, self.strokes = file, [], 0, []
         assert file.startswith(b"%PDF-") and file.rstrip().endswith(b"%%EOF")
         assert b"/Subtype /Image" not in file and b"/Filter /DCTDecode" not in file
         box = re.search(rb"/MediaBox \[ ([-0-9. ]+) ?\]", file)
@@ -181,8 +181,7 @@ class Pdf:
                     points = numpy.array(part) @ matrix[:2, :2] + matrix[2, :2]
                     self.strokes.append((points / 72 * 25.4, width * scale / 72 * 25.4))
                 path = []
-            elif token in ("n",):
-                self.clips += len(path)
+            elif token == "n":
                 path = []
             stack = []
 
@@ -216,11 +215,14 @@ class Formats(ServerCase):
         super().setUpClass()
         cls.inks = {}
         for colours in ("color=gray", "color=cmyk"):
-            answer = cls.halftone(cls(), CHELSEA, f"?sites=700&{colours}&width_mm=90&format=json").json()
-            unit = 90 / answer["width"]
-            cls.height = answer["height"] * unit
-            cls.inks[colours] = [numpy.array(ink["points"]).reshape(-1, 2) * (unit, -unit) + (0, cls.height)
-                                 for ink in answer.get("inks", [answer])]
+            cls.inks[colours] = cls.points(cls(), colours)
+
+    def points(self, colours, options=""):
+        """Returns the dots of each ink, in millimetres from the lower left."""
+        answer = self.made(colours, "format=json&" + options).json()
+        unit = 90 / answer["width"]
+        return [numpy.array(ink["points"]).reshape(-1, 2) * (unit, -unit) + (0, answer["height"] * unit)
+                for ink in answer.get("inks", [answer])]
 
     def made(self, colours, options):
         return self.halftone(CHELSEA, f"?sites=700&{colours}&width_mm=90&{options}")
@@ -276,46 +278,20 @@ class Formats(ServerCase):
                     answer = self.made(colours, options)
                     self.assertEqual(answer.type, "application/pdf")
                     page = Pdf(answer.body)
-                    numpy.testing.assert_allclose(page.size, (90, self.height), atol=0.01)
+                    numpy.testing.assert_allclose(page.size, (90, 90 * 300 / 451), atol=0.01)
                     dots = page.discs if style == "fill" else [(*points[0], 0) for points, _ in page.strokes]
                     self.assert_dots(numpy.array(dots)[:, :2], numpy.concatenate(inks), 0.01)
                     self.assertEqual(answer.body, self.made(colours, options).body)
 
     def test_pdf_of_both_sides(self):
-        dots = self.halftone(CHELSEA, "?sites=700&dots=both&format=json").json()
-        page = Pdf(self.halftone(CHELSEA, "?sites=700&width_mm=90&format=pdf").body)
-        unit = 90 / dots["width"]
-        expected = numpy.array(dots["points"]) * (unit, -unit) + (0, self.height)
-        found = numpy.array(page.discs)
-        self.assertGreaterEqual(len(found), len(expected))
-        distances = numpy.linalg.norm(found[:, None, :2] - expected[None], axis=2)
-        self.assertLess(distances.min(axis=1).max(), 0.01)
-        self.assertEqual(set(distances.argmin(axis=1)), set(range(len(expected))))
-        radii = numpy.array(dots["radii"])[distances.argmin(axis=1)] * unit
-        numpy.testing.assert_allclose(found[:, 2], radii, atol=0.005)
-        self.assertGreater(page.areas, 0)
-        self.assertGreater(page.clips, 0)
-
-    def test_pdf_of_both_sides_in_colour(self):
-        for colours in ("color=cmyk", "color=rgb"):
+        for colours in ("color=gray", "color=cmyk", "color=rgb", "palette=%23f00,%2300f"):
             with self.subTest(colours=colours):
                 query = f"?sites=700&{colours}&dots=both&width_mm=90&format="
                 dots = self.halftone(CHELSEA, query + "json").json()
                 page = Pdf(self.halftone(CHELSEA, query + "pdf").body)
-                unit = 90 / dots["width"]
-                expected = numpy.concatenate([kind["points"] for kind in dots["kinds"]]) * (unit, -unit) + (0, self.height)
-                radii = numpy.concatenate([kind["radii"] for kind in dots["kinds"]]) * unit
-                flips = numpy.concatenate([[len(kind["flips"])] * kind["sites"] for kind in dots["kinds"]])
-                self.assertGreater(flips.max(), 1)
-                found = numpy.array(page.discs)
-                distances = numpy.linalg.norm(found[:, None, :2] - expected[None], axis=2)
-                nearest = distances.argmin(axis=1)
-                self.assertLess(distances.min(axis=1).max(), 0.01)
-                numpy.testing.assert_allclose(found[:, 2], radii[nearest], atol=0.005)
-                drawn = numpy.bincount(nearest, minlength=len(expected))
-                self.assertTrue((drawn >= flips).all() and (drawn <= 2 * flips).all(), "once a channel, or twice if cut")
-                self.assertGreaterEqual(page.areas, 3)
-                self.assertGreaterEqual(page.clips, 3)
+                rings = [ring for ink in dots.get("inks", [dots]) for ring in ink["rings"]]
+                papers = len(dots.get("inks", [dots]))
+                self.assertEqual(page.areas + len(page.discs), papers + len(rings))
 
     def test_styles(self):
         for style in ("circles", "spiral"):
@@ -330,16 +306,46 @@ class Formats(ServerCase):
 
     def test_path_is_one_line(self):
         query = "style=path&format="
+        points = self.points("color=gray", "style=path")[0]
         for strokes in (run_hpgl(self.made("color=gray", query + "hpgl").body)[1],
                         Grbl(self.made("color=gray", query + "gcode").body).pens[1],
                         [points for _, points, _ in
                          read_dxf(self.made("color=gray", query + "dxf").body)[1]["PEN1_DOTS"]]):
             self.assertEqual(len(strokes), 1)
-            self.assert_dots(strokes[0], self.inks["color=gray"][0], 0.02)
+            self.assert_dots(strokes[0], points, 0.02)
         line = numpy.array(Grbl(self.made("color=gray", query + "gcode").body).pens[1][0])
-        points = self.inks["color=gray"][0]
         self.assertLess(numpy.linalg.norm(numpy.diff(line, axis=0), axis=1).sum(),
                         0.7 * numpy.linalg.norm(numpy.diff(points, axis=0), axis=1).sum())
+
+    def test_closed_tours(self):
+        """Closed tours end where they start, and are hardly longer than paths through the same points."""
+        square = {"sites": 500, "domain": {"type": "rectangle", "width": 1, "height": 1}, "width_mm": 50, "style": "path"}
+        for made in (lambda name, closed: self.made("color=gray", f"style=path&format={name}&closed={closed}"),
+                     lambda name, closed: self.made("color=rgb", f"style=path&format={name}&closed={closed}"),
+                     lambda name, closed: post_json(self.server, "/sample",
+                                                    {**square, "closed": closed == "true", "format": name})):
+            paths, tours = ([run_hpgl(made("hpgl", closed).body), Grbl(made("gcode", closed).body).pens,
+                             {layer: [line for _, line, _ in entities]
+                              for layer, entities in read_dxf(made("dxf", closed).body)[1].items()},
+                             {i: [line] for i, (line, _) in enumerate(Pdf(made("pdf", closed).body).strokes)}]
+                            for closed in ("false", "true"))
+            lengths = [[self.check_tour(*path, *tours[i][pen]) for pen, path in pens.items()]
+                       for i, pens in enumerate(paths)]
+            drawing = made("svg", "true").body
+            stated = [float(length) for length in re.findall(rb"along a path of ([0-9.]+)", drawing)]
+            for each in lengths:
+                numpy.testing.assert_allclose(each, stated, rtol=1e-3)
+            ends = [path.get("d").strip()[-1] for path in ElementTree.fromstring(drawing).iter(SVG + "path")]
+            self.assertEqual(ends, ["Z"] * len(stated))
+            self.assertNotIn(b"Z", made("svg", "false").body)
+
+    def check_tour(self, path, tour):
+        """Returns the length of a tour."""
+        numpy.testing.assert_array_equal(tour[0], tour[-1])
+        self.assertEqual(sorted(map(tuple, tour[1:])), sorted(map(tuple, path)))
+        length, other = (numpy.linalg.norm(numpy.diff(line, axis=0), axis=1).sum() for line in (tour, path))
+        self.assertAlmostEqual(length / other, 1, delta=0.05)
+        return length
 
     def test_samples(self):
         body = {"sites": 60, "domain": {"type": "rectangle", "width": 2, "height": 1}, "width_mm": 50}
@@ -392,6 +398,12 @@ class Refusals(PlotterCase):
                             ("?format=hpgl", "width_mm", "format=hpgl"),
                             ("?format=svg&style=spiral", "width_mm", "style=spiral"))
 
+    def test_of_closed_dots(self):
+        for style in ("", "&style=stroke", "&style=spiral"):
+            self.assert_refused(("?format=svg&width_mm=90&closed=true" + style, "closed", "style=path"))
+        answer = post_json(self.server, "/sample", {"sites": 5, "domain": {"type": "rectangle", "width": 2, "height": 1}, "closed": True})
+        self.assertEqual((answer.status, answer.json()["errors"][0]["pointer"]), (400, "/closed"))
+
     def test_of_paper_dots(self):
         self.assert_refused(("?format=gcode&width_mm=90&dots=both", "dots", "pen"))
 
@@ -423,11 +435,11 @@ class Layers(ServerCase):
                 self.check(self.halftone(CHELSEA, query + "svg&style=stroke&width_mm=100").body, sites)
 
     def test_have_unique_ids(self):
-        for colours in ("color=gray", "color=cmyk"):
+        for colours, layers in (("color=gray", []), ("color=cmyk", ["layer1", "layer2", "layer3"])):
             root = ElementTree.fromstring(self.halftone(CHELSEA, f"?sites=700&{colours}&dots=both&format=svg").body)
             ids = [part.get("id") for part in root.iter() if part.get("id")]
             self.assertEqual(len(set(ids)), len(ids))
-            self.assertEqual([group.get("id") for group in root.findall(SVG + "g")], ["layer1", "layer2", "layer3"])
+            self.assertEqual([group.get("id") for group in root.findall(SVG + "g")], layers)
 
     def test_of_classes(self):
         land = {"type": "FeatureCollection", "features": [

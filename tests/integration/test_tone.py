@@ -3,13 +3,14 @@
 
 import itertools
 import pathlib
+import re
 import tempfile
 import unittest
 
 import numpy
 
 from harness import PICTURES, ServerCase, execute, pixels
-from seen import CHANNELS, LIGHT, lightness, luminance, tone_errors
+from seen import CHANNELS, LIGHT, blurred, enlarged, lightness, luminance, tone_errors
 
 PHOTOGRAPHS = ("astronaut.png", "camera.png", "chelsea.png")
 
@@ -76,17 +77,60 @@ class Levels(ServerCase):
         seen = self.halftone(data, "?foreground=%23024&background=%23fda").body
         self.check(wanted, seen, self.dots_of(data, "dots=both"))
 
-    def test_drawings(self):
-        """The dots are so large that the antialiasing of the renderer does not matter."""
-        data = (PICTURES / "camera.png").read_bytes()
+    def drawn(self, data, query):
+        """Returns the light of a drawing whose dots are so large that the antialiasing of the renderer does not matter."""
         with tempfile.TemporaryDirectory() as folder:
             source, target = pathlib.Path(folder, "dots.svg"), pathlib.Path(folder, "dots.png")
-            source.write_bytes(self.halftone(data, "?format=svg&sites=6000&dots=ink").body)
-            execute(["rsvg-convert", "--width", "4096", "--output", str(target), str(source)], check=True)
-            seen = (pixels(target.read_bytes(), "L") > 127).reshape(2048, 2, 2048, 2).mean((1, 3))
-        dark, worst = tone_errors(luminance(data), seen, 6000)
+            source.write_bytes(self.halftone(data, "?format=svg&sites=6000&" + query).body)
+            execute(["rsvg-convert", "--width", "4096", "--background-color", "white", "--output", str(target),
+                     str(source)], check=True)
+            return (pixels(target.read_bytes(), "L") > 127).reshape(2048, 2, 2048, 2).mean((1, 3))
+
+    def test_drawings(self):
+        data = (PICTURES / "camera.png").read_bytes()
+        dark, worst = tone_errors(luminance(data), self.drawn(data, "dots=ink"), 6000)
         self.assertLess(worst, 1.5)
         self.assertLess(abs(dark), 1)
+
+    def test_lines_through_all_sites(self):
+        data = (PICTURES / "astronaut.png").read_bytes()
+        for query in ("style=path", "style=path&quality=draft"):
+            wanted, seen = (lightness(blurred(light, 2 * (2048 ** 2 / 6000) ** 0.5))
+                            for light in (enlarged(luminance(data), (2048, 2048)), self.drawn(data, query)))
+            self.assertLess(abs(seen - wanted).mean(), 2)
+
+    def test_lines_of_a_given_pen(self):
+        """The number of sites follows from the pen, or the tone from both."""
+        data = (PICTURES / "camera.png").read_bytes()
+        sites = [int(re.search(rb"<desc>([0-9]+) dots",
+                               self.halftone(data, f"?format=svg&style=path&width_mm=200&pen={pen}").body)[1])
+                 for pen in (1, 2)]
+        self.assertAlmostEqual(sites[0] / sites[1], 4, delta=0.1)
+        thin, exact = (float(self.halftone(data, f"?format=svg&style=path&width_mm=200&pen=1&sites={count}")
+                             .headers["x-tone"]) for count in (sites[0] // 2, sites[0]))
+        self.assertLess(thin, 0.9)
+        self.assertAlmostEqual(exact, 1, delta=0.01)
+
+    def test_few_fine_dots_show_local_contrast(self):
+        """The density of dots, relative to its mean, rises faster with local darkness than by the tone, which is 1."""
+        for name, drawing in itertools.product(PHOTOGRAPHS, ("style=stroke&dot=0.15mm&sites=3000",
+                                                             "style=fill&dot=0.2mm&sites=12000")):
+            with self.subTest(name=name, drawing=drawing):
+                data = (PICTURES / name).read_bytes()
+                answer = self.halftone(data, f"?format=json&width_mm=200&{drawing}")
+                dots = answer.json()
+                self.assertLess(float(answer.headers["x-tone"]), 0.5)
+                self.assertIn("local contrast", dots["warnings"][0]["detail"])
+                wanted = luminance(data)
+                columns, rows = (numpy.array(dots["points"]).reshape(-1, 2).astype(int)).T
+                ink = numpy.zeros(wanted.shape)
+                numpy.add.at(ink, (rows, columns), 1)
+                pitch = (wanted.size / dots["sites"]) ** 0.5
+                drawn, dark = (near - blurred(near, 8 * pitch) for near in
+                               (blurred(ink / ink.mean(), 2 * pitch),
+                                1 - lightness(blurred(wanted, 2 * pitch)) / 100))
+                self.assertGreater((drawn * dark).sum() / (dark ** 2).sum(), 2)
+                self.assertGreater(numpy.corrcoef(drawn.ravel(), dark.ravel())[0, 1], 0.5)
 
     def test_tone_density_ignores_overlaps(self):
         data = (PICTURES / "camera.png").read_bytes()

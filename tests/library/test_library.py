@@ -58,7 +58,7 @@ class Installed:
         self.all_files = install("development", root / "first")
         # Other projects must find the libraries wherever they are.
         self.prefix = (root / "first").rename(root / "moved")
-        self.libraries = next(self.prefix.rglob("libccdt.so.1")).parent
+        self.libraries = next(self.prefix.rglob("libccdt.so.2")).parent
         self.build = root / "build"
         self.picture = Image.open(PICTURES / "astronaut.png").convert("RGB").resize((128, 96))
         self.png = root / "picture.png"
@@ -112,9 +112,6 @@ class Case(unittest.TestCase):
         self.assertEqual(answer.status, 200, answer)
         return answer.json()
 
-    def radii(self, dots):
-        return numpy.float32([dot[2] for dot in dots]).tolist()
-
     def assert_outlines_are_equal(self, rings, rounded):
         """Compares outlines with those of the service, which are rounded to three decimals."""
         self.assertEqual([len(ring) for ring in rings], [len(ring) for ring in rounded])
@@ -125,7 +122,7 @@ class Case(unittest.TestCase):
 
     def test_components_contain_their_files(self):
         lib = self.installed.libraries.relative_to(self.installed.prefix).as_posix()
-        libraries = {f"{lib}/{name}.so.1{rest}" for name in ("libccdt", "libccdt-api") for rest in ("", ".0.0")}
+        libraries = {f"{lib}/{name}.so.2{rest}" for name in ("libccdt", "libccdt-api") for rest in ("", ".0.0")}
         self.assertEqual(self.installed.library_files, libraries)
         development = {f"include/ccdt/{name}" for name in HEADERS}
         development |= {f"{lib}/{name}{suffix}" for name in ("libccdt", "libccdt-api") for suffix in (".a", ".so")}
@@ -140,17 +137,17 @@ class Case(unittest.TestCase):
                 with self.subTest(path=path):
                     self.assertNotIn(str(ROOT), path.read_text())
         for name in ("libccdt", "libccdt-api"):
-            dynamic = output_of("readelf", "--dynamic", "--wide", self.installed.libraries / f"{name}.so.1")
-            self.assertIn(f"soname: [{name}.so.1]", dynamic)
+            dynamic = output_of("readelf", "--dynamic", "--wide", self.installed.libraries / f"{name}.so.2")
+            self.assertIn(f"soname: [{name}.so.2]", dynamic)
             self.assertNotRegex(dynamic, "RPATH|RUNPATH")
 
     def test_shared_libraries_export_the_interface_only(self):
         counts = []
         for name in ("libccdt", "libccdt-api"):
-            path = self.installed.libraries / f"{name}.so.1"
+            path = self.installed.libraries / f"{name}.so.2"
             lines = output_of("nm", "--dynamic", "--defined-only", "--demangle", path).splitlines()
             symbols = [line.split(maxsplit=2)[2] for line in lines]
-            pattern = r"CCDT_1$|((typeinfo|typeinfo name|vtable) for )?ccdt::v1::[^ ]+.*@@CCDT_1$"
+            pattern = r"CCDT_2$|((typeinfo|typeinfo name|vtable) for )?ccdt::v2::[^ ]+.*@@CCDT_2$"
             self.assertEqual([symbol for symbol in symbols if not re.match(pattern, symbol)], [])
             for word in ("Execution", "core_", "raise"):
                 self.assertEqual([symbol for symbol in symbols if word in symbol], [])
@@ -182,7 +179,7 @@ class Case(unittest.TestCase):
         self.assertEqual(json.loads(self.installed.run_memory("static")), self.memory)
         loaded = output_of("ldd", self.installed.build / "memory_static")
         self.assertNotIn("libccdt", loaded)
-        self.assertIn("libccdt.so.1", output_of("ldd", self.installed.build / "memory_shared"))
+        self.assertIn("libccdt.so.2", output_of("ldd", self.installed.build / "memory_shared"))
 
     def compile_and_run(self, code, compiler, *options):
         with tempfile.TemporaryDirectory() as folder:
@@ -269,34 +266,25 @@ class Case(unittest.TestCase):
             with self.subTest(name=name):
                 answer = self.halftone("dots=both" + query, picture)
                 found = self.memory[name]
-                self.assertEqual([dot[:2] for dot in found["dots"]], answer["points"])
-                self.assertEqual(self.radii(found["dots"]), numpy.float32(answer["radii"]).tolist())
-                self.assertEqual(["ink" if dot[4] else "paper" for dot in found["dots"]], answer["side"])
-                self.assert_outlines_are_equal(found["black"][0], answer["ground"])
+                self.assertEqual(found["points"], answer["points"])
+                self.assert_outlines_are_equal(found["rings"][0], answer["rings"])
         self.assertEqual(self.memory["floats"], self.memory["both"])
 
     def test_dots_on_one_side_are_those_of_the_service(self):
-        for name, query, white in (("ink", "dots=ink&seed=3", 1), ("paper", "dots=paper&tone=perceptual", 0)):
+        for name, query in (("ink", "dots=ink&seed=3"), ("paper", "dots=paper&tone=perceptual")):
             with self.subTest(name=name):
                 answer = self.halftone(query)
-                found = self.memory[name]["dots"]
-                self.assertEqual([dot[:2] for dot in found], answer["points"])
-                self.assertEqual(set(self.radii(found)), {float(numpy.float32(answer["radius"]))})
-                self.assertEqual({dot[4] for dot in found}, {white})
-        self.assertEqual(self.memory["paper"]["black"], [[[[0, 0], [128, 0], [128, 96], [0, 96]]]])
-        self.assertEqual(self.memory["ink"]["black"], [[]])
+                found = self.memory[name]
+                self.assertEqual(found["points"], answer["points"])
+                self.assertEqual(found["radius"], answer["radius"])
+                self.assertEqual(found["rings"], [])
 
     def test_dots_in_colour_are_those_of_the_service(self):
         answer = self.halftone("dots=both&color=cmyk")
         found = self.memory["colour"]
-        self.assertEqual([dot[:2] for dot in found["dots"]], [p for kind in answer["kinds"] for p in kind["points"]])
-        radii = [radius for kind in answer["kinds"] for radius in kind["radii"]]
-        self.assertEqual(self.radii(found["dots"]), numpy.float32(radii).tolist())
-        bits = {"cyan": 1, "magenta": 2, "yellow": 4}
-        flips = [sum(bits[name] for name in kind["flips"]) for kind in answer["kinds"] for _ in kind["points"]]
-        self.assertEqual([dot[3] for dot in found["dots"]], flips)
-        for black, ground in zip(found["black"], answer["grounds"], strict=True):
-            self.assert_outlines_are_equal(black, ground["rings"])
+        self.assertEqual(found["points"], answer["points"])
+        for rings, ink in zip(found["rings"], answer["inks"], strict=True):
+            self.assert_outlines_are_equal(rings, ink["rings"])
 
     def test_errors_name_the_field(self):
         wanted = {
@@ -330,8 +318,8 @@ class Case(unittest.TestCase):
                 self.assertEqual(self.memory[name][:2], [code, field])
                 self.assertIn(text, self.memory[name][2])
         solid = self.memory["solid black"]
-        self.assertEqual(solid["dots"], [])
-        self.assertEqual(len(solid["black"][0]), 1)
+        self.assertEqual(solid["points"], [])
+        self.assertEqual(len(solid["rings"][0]), 1)
 
     def test_computations_can_be_stopped_and_observed(self):
         self.assertEqual(self.memory["stopped"][:2], [STOPPED, ""])

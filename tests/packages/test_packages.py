@@ -33,8 +33,8 @@ PATIENCE_TO_INSTALL = 300
 MAX_EXPOSURE = 2.1
 
 # Maps the name of each package to the packages of this project that it needs.
-NEEDED = {"ccdt": ["ccdt-decoder"], "ccdt-decoder": [], "ccdt-server": ["ccdt-decoder"], "libccdt-dev": ["libccdt1"],
-          "libccdt1": [], "python3-ccdt": []}
+NEEDED = {"ccdt": ["ccdt-decoder"], "ccdt-decoder": [], "ccdt-server": ["ccdt-decoder"], "libccdt-dev": ["libccdt2"],
+          "libccdt2": [], "python3-ccdt": []}
 
 # Maps the name of each package to its file.
 PACKAGES = {}
@@ -258,7 +258,7 @@ class Installed(unittest.TestCase):
                          "ccdt.halftone('/root/photo.png', sites=500).save('/root/module.png')")
         for name in ("command.png", "module.png"):
             self.assertEqual(self.machine.file(f"/root/{name}").read_bytes(), expected, name)
-        self.machine.run("python3", "-c", "import ctypes\nctypes.CDLL('libccdt.so.1')\nctypes.CDLL('libccdt-api.so.1')")
+        self.machine.run("python3", "-c", "import ctypes\nctypes.CDLL('libccdt.so.2')\nctypes.CDLL('libccdt-api.so.2')")
 
     def check_upgrade(self):
         """Upgrades the packages to themselves, which restarts the server. Jobs and settings survive."""
@@ -286,7 +286,7 @@ class Installed(unittest.TestCase):
         for kept in (DEFAULTS, f"{STATE}/jobs.sqlite"):
             self.assertTrue(self.machine.file(kept).exists(), f"{kept} must survive the removal")
         # dpkg has forgotten the other packages, which have neither settings nor a script for their purge.
-        self.machine.run("apt-get", "-qq", "purge", "--yes", "ccdt-server", "libccdt1")
+        self.machine.run("apt-get", "-qq", "purge", "--yes", "ccdt-server", "libccdt2")
         self.machine.run("sh", "-c", f"rm /root/*.* {KEYS}")
         self.assertEqual(self.machine.run("find", "/", "-xdev", "-name", "*ccdt*", "-o", "-xdev", "-user", "ccdt"), "")
         # Debian keeps system users, because files may belong to them.

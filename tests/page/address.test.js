@@ -48,7 +48,6 @@ test("shares the settings of every kind of field of a halftone", async () => {
   await open();
   const { page } = world;
   await page.click("#halftone [data-sample='cat.jpg']");
-  await page.check("#halftone .fields [data-name=sites] input[type=checkbox]");
   await page.uncheck("#halftone .fields [data-name=dot] input[type=checkbox]");
   await page.getByLabel("Radius, unit").selectOption("mm");
   await type("halftone", "dot", "2");
@@ -61,9 +60,9 @@ test("shares the settings of every kind of field of a halftone", async () => {
   await page.locator("#halftone .more [data-name=iterations] input[type=number]").fill("3");
   await page.locator("#halftone .more [data-name=iterations] input[type=number]").blur();
   await settled(page, "halftone");
-  const { picture, sites, dot, levels, antialias, palette, background, iterations } = await settings();
-  assert.deepEqual({ picture, sites, dot, levels, antialias, background, iterations }, {
-    picture: "cat.jpg", sites: "auto", dot: "2mm", levels: "0.1,1,1", antialias: "false", background: "transparent", iterations: "3",
+  const { picture, dot, levels, antialias, palette, background, iterations } = await settings();
+  assert.deepEqual({ picture, dot, levels, antialias, background, iterations }, {
+    picture: "cat.jpg", dot: "2mm", levels: "0.1,1,1", antialias: "false", background: "transparent", iterations: "3",
   });
   assert.equal(palette.split(",").length, 5);
   await isShared("halftone");
@@ -73,10 +72,10 @@ test("shares the settings of every kind of field of a halftone", async () => {
 });
 
 test("shares a radius in pixels with the width at which it was shown", async () => {
-  await open("#halftone?sites=500");
+  await open("#halftone?sites=500&dots=ink");
   await world.page.uncheck("#halftone .fields [data-name=dot] input[type=checkbox]");
   await type("halftone", "dot", "2.5");
-  assert.deepEqual(await settings(), { sites: "500", dot: "2.5", width: "1000" });
+  assert.deepEqual(await settings(), { sites: "500", dots: "ink", dot: "2.5", width: "1000" });
   await isShared("halftone");
 });
 

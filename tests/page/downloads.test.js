@@ -27,7 +27,7 @@ const readers = {
   csv: `
 with open(name, newline="") as file:
     head, *rows = csv.reader(file)
-print(json.dumps({"head": head, "points": [[float(x), float(y)] for x, y, *_ in rows], "rest": [rest for _, _, *rest in rows]}))`,
+print(json.dumps({"head": head, "points": [[float(x), float(y)] for x, y, *_ in rows]}))`,
   npy: "print(json.dumps({'points': numpy.load(name).tolist()}))",
   geojson: `
 feature = json.load(open(name))
@@ -117,15 +117,11 @@ test("saves a halftone in each format", async () => {
     if (name === "tiff") assert.ok(Math.abs(read.light - png.light) < 0.01, `${read.light}, ${png.light}`);
     else assert.equal(read.grey, png.grey);
   }
-  const sideOf = (number) => (number === 0 ? "ink" : "paper");
-  assert.deepEqual(npy.points.map(([x, y]) => [x, y]), json.points);
-  assert.deepEqual(npy.points.map(([, , , side]) => sideOf(side)), json.side);
-  assert.deepEqual(npy.points.map(([, , radius]) => Math.fround(radius)), json.radii.map(Math.fround));
+  for (const { points } of [npy, csv]) assert.deepEqual(points, json.points);
   assert.equal(json.points.length, 3000);
-  assert.deepEqual(csv.head, ["x", "y", "radius", "side"]);
-  assert.deepEqual(csv.points, json.points);
-  assert.deepEqual(csv.rest.map(([radius, side]) => [Number(radius), side]), json.radii.map((radius, i) => [radius, json.side[i]]));
-  assert.equal(svg.circles, 3000);
+  assert.deepEqual(csv.head, ["x", "y"]);
+  assert.ok(json.rings.length > 1000);
+  assert.equal(svg.circles, 0);
   isSame(png, svg.drawn);
 });
 

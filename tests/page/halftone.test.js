@@ -152,7 +152,7 @@ test("shows the colours of inverted pictures", async () => {
   await page.selectOption("#halftone [data-name=dots] select", "paper");
   await settled(page, "halftone");
   assert.deepEqual(await colours(), ["#ffffff", "#000000"]);
-  assert.ok(!(await page.textContent("#halftone pre")).includes("ground"));
+  assert.doesNotMatch(await page.textContent("#halftone pre"), /(fore|back)ground/);
   await page.locator("#halftone [data-name=foreground] input").fill("#ffcc00");
   await page.selectOption("#halftone [data-name=dots] select", "both");
   await settled(page, "halftone");
@@ -256,6 +256,21 @@ const optionsOf = (seen) => {
   const { sites, antialias, ...others } = Object.fromEntries(new URL(seen.at(-1).url).searchParams);
   return others;
 };
+
+test("replaces the number of dots by their radius, except for dots of one size", async () => {
+  await open(few);
+  const seen = watchRequests();
+  await world.page.uncheck("#halftone [data-name=dot] input[type=checkbox]");
+  await number("dot").fill("2.5");
+  await number("dot").blur();
+  await settled(world.page, "halftone");
+  const sites = world.page.locator("#halftone [data-name=sites]");
+  const requested = () => new URL(seen.at(-1).url).searchParams.get("sites");
+  assert.deepEqual([requested(), await sites.isVisible()], [null, false]);
+  await world.page.selectOption("#halftone [data-name=dots] select", "ink");
+  await settled(world.page, "halftone");
+  assert.deepEqual([requested(), await sites.isVisible()], ["500", true]);
+});
 
 test("emphasizes edges, and sets levels like an image editor", async () => {
   await open();

@@ -59,6 +59,8 @@ test("mixes CMYK like print and RGB like light", async () => {
   assert.deepEqual(await requestedOptions(), { color: "rgb", dots: "ink" });
   assert.ok(await field("background").isHidden());
   assert.deepEqual(await seen(["#ff0000", "#00ff00", "#0000ff"]), ["#ff0000", "#00ff00", "#0000ff"]);
+  await choose("palette");
+  assert.equal((await requestedOptions()).dots, "ink");
   await choose("gray");
   assert.deepEqual(await requestedOptions(), { dots: "paper", background: "#fff4d6" });
 });
@@ -115,28 +117,17 @@ test("shows a command that returns the same picture, and is accessible", async (
   await context.close();
 });
 
-test("saves an SVG with a layer for each kind of dots", async () => {
+test("saves an SVG with a layer for each ink", async () => {
   await open();
-  const isOffered = () => field("layers").evaluate(({ hidden }) => !hidden);
-  assert.ok(!(await isOffered()));  // a single ink has the same layers in any case
   await choose("cmyk");
-  assert.ok(await isOffered());
   const labels = async () => {
     const svg = await readFile(await (await download(world.page, "halftone", "SVG")).path(), "utf8");
     return [...svg.matchAll(/inkscape:label="([^"]*)"/g)].map(([, label]) => label);
   };
-  assert.ok(!(await labels()).some((label) => label.includes("+")));
-  await world.page.click("#halftone .more summary");
-  await field("layers").locator("select").selectOption("kind");
-  await settled(world.page, "halftone");
-  assert.deepEqual((await labels()).slice(0, 4), ["ground", "cyan", "magenta", "cyan+magenta"]);
-  assert.deepEqual(await requestedOptions(), { color: "cmyk", layers: "kind", format: "svg" });
-  assert.match(await world.page.textContent("#halftone pre"), /-o dots\.svg$/);
-  assert.equal((await download(world.page, "halftone", "PNG")).suggestedFilename(), "dots.png");
+  assert.deepEqual(await labels(), ["cyan", "magenta", "yellow"]);
   await field("dots").locator("select").selectOption("ink");
   await settled(world.page, "halftone");
-  assert.ok(!(await isOffered()));
-  assert.deepEqual(await requestedOptions(), { color: "cmyk", dots: "ink" });
+  assert.deepEqual(await labels(), ["cyan", "magenta", "yellow", "black"]);
 });
 
 test("counts the dots of all inks in an analysis", async () => {

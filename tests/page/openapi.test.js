@@ -34,7 +34,7 @@ const picture = new Blob();
 export const body: Sent["application/octet-stream"] = picture;
 export const form: Sent["multipart/form-data"] = { image: picture, sites: 9 };
 export const show = async (png: Got["image/png"], npy: Got["application/x-npy"]) => [await png.arrayBuffer(), await npy.text()];
-export const read = (json: Got["application/json"]) => ("points" in json ? json.points[0] : "inks" in json ? json.inks[0].points : json.kinds[0].points);
+export const read = (json: Got["application/json"]) => ("points" in json ? json.points[0] : json.inks[0].points);
 // @ts-expect-error: the range of sites is a number's
 export const wrong: Sent["multipart/form-data"] = { image: picture, sites: "many" };
 `;

@@ -25,9 +25,9 @@ async function open(address) {
  * properties that a map counts, and the pen, which has two fields.
  */
 const elsewhere = {
-  halftone: ["dwell", "format", "invert", "pen"],
+  halftone: ["closed", "dwell", "format", "invert", "pen"],
   devices: [],
-  sample: ["polygon", "holes", "geometry", "classes", "object", "iterations", "mesh", "dwell", "pen"],
+  sample: ["polygon", "holes", "geometry", "classes", "object", "iterations", "mesh", "closed", "dwell", "pen"],
   surfaces: ["iterations", "mesh"],
 };
 

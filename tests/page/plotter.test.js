@@ -79,14 +79,14 @@ test("estimates the time at once, and fits into a given time", async () => {
   assert.ok(Math.abs(minutes(first) / minutes(whole) - 1) < 0.25, `${first}, ${whole}`);
 
   await page.uncheck("#halftone .plot [data-name=minutes] input[type=checkbox]");
-  await put("minutes", "5");
+  await put("minutes", "12");
   const fitted = await figures();
-  assert.equal(minutes(fitted), 5);
+  assert.equal(minutes(fitted), 12);
   assert.ok(dots(fitted) < dots(whole), fitted);
   assert.ok(await page.isHidden("#halftone .fields [data-name=sites]"));
   assert.match(await page.textContent("#halftone .figures .note"), /^The drawing is lighter than the picture\. The right tone needs about [\d,]+ dots, or a pen [\d.]+ mm wide/);
   assert.equal(await page.textContent("#halftone .warnings"), "");
-  assert.match(await page.evaluate(() => location.hash), /minutes=5/);
+  assert.match(await page.evaluate(() => location.hash), /minutes=12/);
 });
 
 test("fills dots, or joins them by one line", async () => {

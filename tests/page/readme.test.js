@@ -40,7 +40,7 @@ test("the lines in the READMEs put dots into a page of another origin", async ()
   }
 });
 
-test("the page in the API's README draws dots and ground with the tone of the picture", async () => {
+test("the page in the API's README draws rings with the tone of the picture", async () => {
   lines = (await examplesOf("api/README.md")).find((example) => example.includes("evenodd"));
   await world.page.goto(origin.url);
   const inkOf = () => world.page.evaluate(() => {

@@ -22,7 +22,7 @@
 #include "ccdt/control.h"
 #include "ccdt/exception.h"
 
-namespace ccdt::v1 {
+namespace ccdt::v2 {
 
 /// Kinds of requests.
 enum class Operation {
@@ -97,4 +97,4 @@ CCDT_EXPORT Answer halftone_file(const std::filesystem::path& picture, const std
 CCDT_EXPORT Answer sample_file(const std::filesystem::path& domain, const std::filesystem::path& output,
                                const std::vector<Option>& options = {}, const Control& control = {});
 
-}  // namespace ccdt::v1
+}  // namespace ccdt::v2

@@ -24,44 +24,30 @@ Table = List[Tuple[str, str]]
 class Halftone(Drawing):
     """A picture as dots. Positions are in pixels of the picture; y points down, the first pixel is [0, 1] x [0, 1].
 
-    Files and pixels show exactly the dots of ``points``.
+    Files and pixels show exactly the dots of ``points`` or, with ``dots="both"``, the ink inside ``rings``.
     """
 
     def __init__(self, kept: Kept, table: Floats, radius: Optional[float]) -> None:
         self._kept = kept
         self._table = table
         self._radius = radius
-        self._info: Optional[Dict[str, Any]] = None
+        self._described: Optional[Tuple[Dict[str, Any], List[List[Floats]]]] = None
 
     def _answer(self, format: str) -> _core.Answer:
         return self._kept.write(format)
 
     @property
     def points(self) -> Floats:
-        """Centres of the dots, float64 [n, 2]; grouped by ink or kind if there are several."""
+        """Centres of the dots, float64 [n, 2], grouped by ink; with ``dots="both"``, the sites that all inks share."""
         return self._table[:, :2]
 
     @property
-    def radii(self) -> Floats:
-        """Radii of the dots in pixels of the picture, float64 [n]; NaN if ``radius`` is None."""
-        if self._has_sizes():
-            return self._table[:, 2]
-        return np.full(len(self), np.nan if self.radius is None else self.radius)
-
-    @property
     def radius(self) -> Optional[float]:
-        """Radius of the largest dots, in pixels of the picture; None if it is chosen when the dots are drawn."""
-        if self._has_sizes():
-            return float(self._table[:, 2].max(initial=0))
-        return self._radius
+        """Radius of the dots, in pixels of the picture; None if it is chosen when the dots are drawn.
 
-    @property
-    def side(self) -> Optional[npt.NDArray[np.uint8]]:
-        """Ground of each dot, uint8 [n]: 0 for ink on white ground, 1 for paper on black ground.
-
-        None if there is no black ground, or if there are several inks.
+        With ``dots="both"``, the radius of the largest dots, which cover half of an area of luminance 1/2.
         """
-        return self._table[:, 3].astype(np.uint8) if self._table.shape[1] == 4 else None
+        return self._radius
 
     @property
     def ink(self) -> Optional[npt.NDArray[np.uint8]]:
@@ -69,22 +55,17 @@ class Halftone(Drawing):
         return self._table[:, 2].astype(np.uint8) if self._table.shape[1] == 3 else None
 
     @property
-    def flips(self) -> Optional[npt.NDArray[np.uint8]]:
-        """Inks that each dot adds or removes, as bits, uint8 [n]; None unless ``dots="both"`` with several inks."""
-        return self._table[:, 3].astype(np.uint8) if self._table.shape[1] == 5 else None
+    def rings(self) -> List[List[Floats]]:
+        """Outlines of each ink with ``dots="both"``, float64 [corners, 2] each, by the even-odd rule; otherwise empty.
 
-    @property
-    def ground(self) -> List[Floats]:
-        """Outlines of the black ground, float64 [corners, 2] each, by the even-odd rule.
-
-        Empty without black ground. With several inks, ``info["grounds"]`` has the grounds of each ink.
+        They are those of the single ink, or of the inks in ``inks``.
         """
-        return [np.array(ring, dtype=np.float64) for ring in self.info.get("ground", [])]
+        return self._describe()[1]
 
     @property
     def inks(self) -> List[str]:
-        """Names of the inks, or of the kinds of dots with ``dots="both"``; empty if there is a single ink."""
-        return [each["name"] for each in self.info.get("inks", self.info.get("kinds", []))]
+        """Names of the inks; empty if there is a single ink."""
+        return [each["name"] for each in self.info.get("inks", ())]
 
     @property
     def width(self) -> int:
@@ -98,14 +79,8 @@ class Halftone(Drawing):
 
     @property
     def info(self) -> Dict[str, Any]:
-        """Members of the service's JSON answer, without those that list every dot."""
-        if self._info is None:
-            members = json.loads(self.write("json"))
-            for part in (members, *members.get("inks", ()), *members.get("kinds", ())):
-                for name in ("points", "radii", "side"):
-                    part.pop(name, None)
-            self._info = members
-        return self._info
+        """Members of the service's JSON answer, without lists of dots and outlines."""
+        return self._describe()[0]
 
     def __len__(self) -> int:
         return len(self._table)
@@ -113,8 +88,17 @@ class Halftone(Drawing):
     def __repr__(self) -> str:
         return f"<ccdt.Halftone of {len(self)} dots>"
 
-    def _has_sizes(self) -> bool:
-        return self._table.shape[1] >= 4
+    def _describe(self) -> Tuple[Dict[str, Any], List[List[Floats]]]:
+        """Returns ``info`` and ``rings``, which are read only once."""
+        if self._described is None:
+            members = json.loads(self.write("json"))
+            parts = [members, *members.get("inks", ())]
+            for part in parts:
+                part.pop("points", None)
+            rings = [[np.array(ring, dtype=np.float64) for ring in part.pop("rings")] for part in parts
+                     if "rings" in part]
+            self._described = members, rings
+        return self._described
 
 
 class DevicePicture(Drawing):

@@ -16,6 +16,7 @@ class PlotOptions(TypedDict, total=False):
 
     width_mm: float
     style: str
+    closed: bool
     pen: Union[float, str]
     speed: float
     dwell: float
@@ -48,7 +49,6 @@ class HalftoneOptions(PlotOptions, total=False):
     palette: Union[str, Sequence[str]]
     foreground: str
     background: str
-    layers: str
 
 
 class DeviceOptions(TypedDict, total=False):

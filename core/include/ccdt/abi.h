@@ -6,12 +6,12 @@
 
 namespace ccdt {
 
-/// The interface of libccdt and libccdt-api, version 1. All of it can also be named without `v1`.
-namespace v1 {}
+/// The interface of libccdt and libccdt-api, version 2. All of it can also be named without `v2`.
+namespace v2 {}
 
-// Code of the library itself sees types of the same names in the namespace ccdt, and names these types with `v1`.
+// Code of the library itself sees types of the same names in the namespace ccdt, and names these types with `v2`.
 #ifndef CCDT_INTERNAL
-using namespace v1;
+using namespace v2;
 #endif
 
 }  // namespace ccdt

@@ -11,7 +11,7 @@
 #include "ccdt/domain.h"
 #include "ccdt/volume.h"
 
-namespace ccdt::v1 {
+namespace ccdt::v2 {
 
 /// Power of the frequencies (i / width of the domain, j / height of the domain), in cycles per unit of length. White
 /// noise has power 1. The value at (0, 0) is 0.
@@ -69,4 +69,4 @@ CCDT_EXPORT PointAnalysis analyze(const std::vector<Point>& points, const Domain
 CCDT_EXPORT PointAnalysis analyze(const std::vector<Point3>& points, const VolumeDomain& domain,
                                   double max_frequency = 2, const Control& control = {});
 
-}  // namespace ccdt::v1
+}  // namespace ccdt::v2

@@ -6,7 +6,7 @@
 
 #include "ccdt/abi.h"
 
-namespace ccdt::v1 {
+namespace ccdt::v2 {
 
 /// State of a running computation.
 struct Progress {
@@ -25,4 +25,4 @@ struct Control {
     unsigned threads = 0;  ///< number of threads, the caller's included; 0: one for each processor
 };
 
-}  // namespace ccdt::v1
+}  // namespace ccdt::v2

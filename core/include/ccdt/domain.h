@@ -6,7 +6,7 @@
 
 #include "ccdt/abi.h"
 
-namespace ccdt::v1 {
+namespace ccdt::v2 {
 
 struct Point {
     double x = 0;
@@ -43,4 +43,4 @@ struct Torus {
 /// The longer side of the bounding box must be from 1e-140 to 1e140, and no coordinate may exceed 1e9 times this side.
 using Domain = std::variant<Polygon, std::vector<Polygon>, Rectangle, Torus>;
 
-}  // namespace ccdt::v1
+}  // namespace ccdt::v2

@@ -6,7 +6,7 @@
 
 #include "ccdt/abi.h"
 
-namespace ccdt::v1 {
+namespace ccdt::v2 {
 
 /// Kinds of failure.
 enum class FailureCode {
@@ -37,4 +37,4 @@ private:
     std::string field_;
 };
 
-}  // namespace ccdt::v1
+}  // namespace ccdt::v2

@@ -12,7 +12,7 @@
 #include "ccdt/domain.h"
 #include "ccdt/sample.h"
 
-namespace ccdt::v1 {
+namespace ccdt::v2 {
 
 /// A picture in memory. Refers to the memory of the caller.
 struct PictureView {
@@ -25,11 +25,11 @@ struct PictureView {
     std::variant<std::span<const std::uint8_t>, std::span<const float>> values;
 };
 
-/// Sides of the tonal scale on which dots are drawn.
+/// What the points of a halftone draw.
 enum class Sides {
-    Both,   ///< ink dots on white ground where the picture is light, paper dots on black ground where it is dark
-    Ink,    ///< ink dots on white ground
-    Paper,  ///< paper dots on black ground, which draw the light parts of the picture
+    Both,   ///< dots of ink in the light, holes in the ink in the dark, and a net between them
+    Ink,    ///< discs of ink on white
+    Paper,  ///< white discs on black, which draw the light parts of the picture
 };
 
 /// Quantity of the picture that the dots reproduce.
@@ -57,31 +57,25 @@ struct HalftoneOptions {
     Alpha alpha = Alpha::Display;  ///< the ground is white or, with Sides::Paper, black
 };
 
-/// A dot of a halftone. A dot flips each of its channels: where the ground is white, the dot removes the light of the
-/// channel; where it is black, the dot shows it. A dot across the boundary of a ground has two parts.
-struct Dot {
-    Point centre;            ///< pixels of the picture; y points down, and the first pixel covers [0, 1] x [0, 1]
-    float radius = 0;        ///< pixels of the picture
-    std::uint8_t flips = 1;  ///< channels that the dot flips, as bits
-    std::uint8_t white = 1;  ///< channels whose ground is white at the centre, as bits
-};
-
-/// A halftone: dots on grounds. Bit c of a set of channels stands for channel c. Channel 0 is grey. In colour, channels
-/// 0 to 2 are red, green and blue.
+/// A halftone: discs, or areas of ink.
 struct Halftone {
     int width = 0;     ///< pixels of the picture
     int height = 0;    ///< pixels of the picture
-    int channels = 1;  ///< 1 or 3
-    std::vector<Dot> dots;
-    /// [channels] Outlines of the black ground, in pixels of the picture. They enclose it by the even-odd rule.
-    std::vector<std::vector<Ring>> black;
+    int channels = 1;  ///< 1: grey; 3: red, green and blue, which the ink of each channel removes
+    /// Centres of the discs or, with Sides::Both, sites of the areas. In pixels of the picture; y points down, and the
+    /// first pixel covers [0, 1] x [0, 1].
+    std::vector<Point> points;
+    double radius = 0;  ///< radius of all discs, in pixels of the picture; 0 with Sides::Both
+    /// [channels] With Sides::Both, outlines of the ink, in pixels of the picture. They enclose it by the even-odd
+    /// rule.
+    std::vector<std::vector<Ring>> rings;
     bool stopped = false;  ///< whether a stop ended the computation early; only with HalftoneOptions::partial
 };
 
-/// Turns a picture into dots that reproduce its tones when they are drawn on their grounds.
+/// Turns a picture into dots that reproduce its tones when they are drawn.
 ///
-/// @param sites  number of dots, 1 to 2^28. The result has exactly this number. The exception is a picture that with
-///               Sides::Both consists of black and white areas only: the grounds draw it, without dots.
+/// @param sites  number of points, 1 to 2^28. The result has exactly this number. The exception is a picture that with
+///               Sides::Both consists of black and white areas only: its areas are drawn without points.
 ///
 /// Errors: Malformed for a size, a number of channels or an option out of range, and for a wrong number of values;
 /// Unusable if there is nothing to draw, because the picture is all transparent or all white, or with Sides::Paper all
@@ -89,4 +83,4 @@ struct Halftone {
 CCDT_EXPORT Halftone halftone(const PictureView& picture, std::size_t sites, const HalftoneOptions& options = {},
                               const Control& control = {});
 
-}  // namespace ccdt::v1
+}  // namespace ccdt::v2

@@ -13,7 +13,7 @@
 #include "ccdt/control.h"
 #include "ccdt/domain.h"
 
-namespace ccdt::v1 {
+namespace ccdt::v2 {
 
 /// Amount of work spent on the pattern after the triangles' capacities are equal.
 enum class Quality {
@@ -96,4 +96,4 @@ CCDT_EXPORT Sample sample(const Domain& domain, std::size_t sites, const SampleO
 CCDT_EXPORT std::vector<std::uint32_t> progressive_order(const Domain& domain, std::span<const Point> points,
                                                          bool uniform = false, const Control& control = {});
 
-}  // namespace ccdt::v1
+}  // namespace ccdt::v2

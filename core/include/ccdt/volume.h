@@ -12,7 +12,7 @@
 #include "ccdt/control.h"
 #include "ccdt/sample.h"
 
-namespace ccdt::v1 {
+namespace ccdt::v2 {
 
 /// A point in space.
 struct Point3 {
@@ -99,4 +99,4 @@ struct VolumeSample {
 CCDT_EXPORT VolumeSample sample_volume(const VolumeDomain& domain, std::size_t sites, const VolumeOptions& options = {},
                                        const Control& control = {});
 
-}  // namespace ccdt::v1
+}  // namespace ccdt::v2

@@ -115,8 +115,8 @@ export class Analyze extends Panel {
    */
   async #pointsMade(signal) {
     if (this.source.value === "halftone") {
-      const { points, inks, kinds, width, height } = await (await this.halftone.ask("json", signal, this.showJob)).json();
-      return { points: points ?? (inks ?? kinds).flatMap((each) => each.points), domain: { type: "rectangle", width, height }, note: notes.halftone };
+      const { points, inks, width, height } = await (await this.halftone.ask("json", signal, this.showJob)).json();
+      return { points: points ?? inks.flatMap((each) => each.points), domain: { type: "rectangle", width, height }, note: notes.halftone };
     }
     const { shape } = this.sample;
     if (!shape || this.sample.isMask) throw new Error("There are no points yet. Make some in the tab Sample");

@@ -41,12 +41,8 @@ async function shownPart(original, dots) {
   return createImageBitmap(original, (original.width - width) / 2, (original.height - height) / 2, width, height);
 }
 
-const isOfBothSides = ({ palette, dots, tone, style = "fill", minutes, background }) =>
-  !palette && !dots && tone !== "density" && style === "fill" && minutes === undefined && background !== "transparent";
-
-/** Whether an SVG can have a layer for each kind of dots. With a single ink, the layers are the same in any case. */
-const hasKinds = ({ palette, ...options }) =>
-  isOfBothSides(options) && (palette ? [2, 3].includes(palette.split(",").length) : options.color !== undefined);
+const isOfBothSides = ({ dots, tone, style = "fill", minutes }) =>
+  !dots && tone !== "density" && style === "fill" && minutes === undefined;
 
 /** Whether a pen draws more than a short stroke for each dot, so that the drawing differs from plain dots. */
 const isOfStrokes = ({ style = "fill" }) => !["fill", "stroke"].includes(style);
@@ -145,9 +141,10 @@ export class Halftone extends PicturePanel {
     this.fields.offer("width_mm", isInMm);
     this.fields.offer("palette", color === "palette");
     this.fields.offer("foreground", color === "gray");
-    this.fields.offer("dots", color !== "palette");
     this.fields.offer("background", color !== "rgb");
-    this.fields.offer("sites", this.plotter.minutes === undefined);
+    const options = this.#options();
+    const isSized = options.dot !== undefined && isOfBothSides(options);  // the radius then replaces the number
+    this.fields.offer("sites", this.plotter.minutes === undefined && !isSized);
     const isInverted = this.fields.values().dots === "paper";
     this.fields.setStandard("foreground", isInverted ? "#ffffff" : "#000000");
     this.fields.setStandard("background", isInverted ? "#000000" : "#ffffff");
@@ -156,7 +153,6 @@ export class Halftone extends PicturePanel {
     for (const name of ["width", "height"]) this.moreFields.offer(name, !isPlotted);
     const { width, height } = this.moreFields.values();
     this.moreFields.offer("fit", width !== undefined && height !== undefined);
-    this.moreFields.offer("layers", !isPlotted && hasKinds(this.#options()));
     this.offerDownloads(capabilities.halftone.formats, "dots", Object.keys(this.#options()));
   }
 
@@ -184,11 +180,10 @@ export class Halftone extends PicturePanel {
 
   #options(format) {
     const options = { ...this.fields.values(), ...this.moreFields.values(), ...this.#heldWidth, ...(this.plotter.isOn && this.plotter.options(format)) };
+    // Dots of paper need grey, and pens can only add ink.
+    if (options.dots === "paper" ? options.color : this.plotter.isOn) options.dots = "ink";
     if (options.palette) delete options.color;
-    // Dots of paper need grey, and pens draw a layer of ink for each colour.
-    if (options.color && (options.dots === "paper" || this.plotter.isOn)) options.dots = "ink";
     if (options.antialias !== isForPrint(options)) delete options.antialias;  // it is the default
-    if (format !== "svg") delete options.layers;
     return options;
   }
 
@@ -228,11 +223,9 @@ export class Halftone extends PicturePanel {
     if (this.picture) this.plotter.wait();
   }
 
-  /** Shows the request for the preview, or for an SVG if its layers are chosen. */
   showRequest() {
-    const asSvg = this.#options("svg");
-    const options = asSvg.layers ? { ...asSvg, format: "svg" } : this.#options();
-    this.snippets.showHalftone({ picture: this.picture, options, file: `dots.${options.format ?? "png"}` });
+    const options = this.#options();
+    this.snippets.showHalftone({ picture: this.picture, options, file: "dots.png" });
   }
 
   task(draft) {

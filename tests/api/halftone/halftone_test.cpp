@@ -511,34 +511,51 @@ TEST(Halftone, DrawsBlackAndWhiteWithoutDots) {
     }
     const auto listed = nlohmann::json::parse(answer(black, {{"format", "json"}, {"dots", "both"}})->body);
     EXPECT_EQ(listed.at("sites"), 0);
-    for (const auto* member : {"points", "radii", "side"}) EXPECT_TRUE(listed.at(member).empty()) << member;
-    EXPECT_EQ(listed.at("ground").size(), 1U);
+    EXPECT_TRUE(listed.at("points").empty());
+    EXPECT_EQ(listed.at("rings"), nlohmann::json::parse("[[[0,0],[0,8],[8,8],[8,0]]]"));
     const auto table = answer(black, {{"format", "csv"}, {"dots", "both"}});
-    EXPECT_EQ(table->body, "x,y,radius,side\r\n");
+    EXPECT_EQ(table->body, "x,y\r\n");
 }
 
-TEST(Halftone, ListsRadiusAndSideOfEachDot) {
-    const std::string photo = photograph("camera.png");
-    const auto list = [&](const char* format) {
-        return answer(photo, {{"sites", "700"}, {"dots", "both"}, {"format", format}})->body;
-    };
-    const auto json = nlohmann::json::parse(list("json"));
-    ASSERT_EQ(json.at("points").size(), 700U);
-    ASSERT_EQ(json.at("radii").size(), 700U);
-    ASSERT_EQ(json.at("side").size(), 700U);
-    std::string table = "x,y,radius,side\r\n";
-    for (std::size_t i = 0; i < 700; ++i) {
-        const auto& point = json.at("points")[i];
-        for (const int axis : {0, 1}) {
-            append_shortest(table, point[axis].get<double>());
-            table += ',';
+/// Returns the area that rings enclose.
+double area_of(const nlohmann::json& rings) {
+    double twice = 0;
+    for (const auto& ring : rings) {
+        for (std::size_t i = 0; i < ring.size(); ++i) {
+            const auto &a = ring[i], &b = ring[(i + 1) % ring.size()];
+            twice += a[0].get<double>() * b[1].get<double>() - a[1].get<double>() * b[0].get<double>();
         }
-        append_shortest(table, json.at("radii")[i].get<float>());
-        table += ',' + json.at("side")[i].get<std::string>() + "\r\n";
     }
-    EXPECT_TRUE(list("csv") == table) << "CSV must have the same numbers";
-    EXPECT_NE(table.find(",ink\r\n"), std::string::npos);
-    EXPECT_NE(table.find(",paper\r\n"), std::string::npos);
+    return std::abs(twice) / 2;
+}
+
+TEST(Halftone, ListsOutlinesOfInk) {
+    const std::string photo = photograph("camera.png");
+    const auto list = [&](const char* format, const char* color) {
+        return answer(photo, {{"sites", "700"}, {"dots", "both"}, {"format", format}, {"color", color}})->body;
+    };
+    const auto json = nlohmann::json::parse(list("json", "gray"));
+    ASSERT_EQ(json.at("points").size(), 700U);
+    std::string table = "x,y\r\n";
+    for (const auto& point : json.at("points")) {
+        append_shortest(table, point[0].get<double>());
+        table += ',';
+        append_shortest(table, point[1].get<double>());
+        table += "\r\n";
+    }
+    EXPECT_TRUE(list("csv", "gray") == table) << "CSV must have the same numbers";
+    const double white = white_share(decode_png(answer(photo, {{"sites", "700"}, {"scale", "4"}})->body));
+    const double all = json.at("width").get<double>() * json.at("height").get<double>();
+    EXPECT_NEAR(1 - area_of(json.at("rings")) / all, white, 0.003);
+
+    const auto inks = nlohmann::json::parse(list("json", "cmyk"));
+    EXPECT_EQ(inks.at("points").size(), 700U);
+    ASSERT_EQ(inks.at("inks").size(), 3U);
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_EQ(inks.at("inks")[i].at("name"), (std::array{"cyan", "magenta", "yellow"})[i]);
+        EXPECT_NEAR(area_of(inks.at("inks")[i].at("rings")), area_of(json.at("rings")), 0.003 * all)
+            << "a grey picture";
+    }
 }
 
 const PointFormat& format_named(std::string_view name) {
@@ -555,7 +572,7 @@ Result<Answer> write_as(std::string_view format, const std::string& image, const
 
 TEST(PlacedHalftone, HasTheSameDotsInAllFormats) {
     const std::string photo = photograph("camera.png");
-    const Options options = {{"sites", "300"}, {"dots", "both"}, {"scale", "2"}};
+    const Options options = {{"sites", "300"}, {"dots", "both"}, {"scale", "2"}, {"antialias", "true"}};
     for (const char* format : {"svg", "csv", "npy", "tiff"}) {
         Options direct = options;
         direct.push_back({"format", format});
@@ -571,7 +588,6 @@ TEST(PlacedHalftone, RejectsFormatsThatCannotDrawIt) {
         EXPECT_EQ(written.error().field, field);
     };
     check("gcode", {{"sites", "50"}, {"width_mm", "50"}}, ErrorCode::Malformed, "dots");
-    check("svg", {{"sites", "50"}, {"background", "transparent"}}, ErrorCode::Malformed, "dots");
     check("pdf", {{"sites", "50"}}, ErrorCode::Malformed, "width_mm");
     check("png", {{"sites", "50"}, {"scale", "16"}, {"format", "json"}}, ErrorCode::LimitExceeded, "scale");
 }
@@ -590,12 +606,12 @@ TEST(HalftoneOptions, ChooseSidesOfDots) {
     for (const Options& options : {Options{{"style", "stroke"}, {"format", "svg"}},
                                    {{"tone", "density"}},
                                    {{"palette", "#f00"}, {"format", "csv"}},
-                                   {{"palette", "#f00,#0f0,#00f,#000"}},
                                    {{"color", "cmyk"}, {"format", "json"}},
-                                   {{"format", "svg"}, {"background", "transparent"}},
                                    {{"invert", "false"}}})
         EXPECT_EQ(dots(options), Dots::Ink);
     EXPECT_EQ(dots({{"background", "transparent"}}), Dots::Both);
+    EXPECT_EQ(dots({{"background", "transparent"}, {"format", "svg"}}), Dots::Both);
+    EXPECT_EQ(dots({{"palette", "#f00,#0f0,#00f,#000,#ff0,#0ff"}}), Dots::Both);
     EXPECT_EQ(dots({{"color", "cmyk"}}), Dots::Both);
     EXPECT_EQ(dots({{"palette", "#f00,#00f"}}), Dots::Both);
     EXPECT_EQ(dots({{"color", "rgb"}, {"dots", "ink"}}), Dots::Ink);
@@ -604,18 +620,6 @@ TEST(HalftoneOptions, ChooseSidesOfDots) {
     EXPECT_EQ(dots({{"dots", "paper"}}), Dots::Paper);
     EXPECT_EQ(dots({{"dots", "paper"}, {"invert", "true"}}), Dots::Paper);
     EXPECT_EQ(dots({{"dots", "both"}, {"invert", "false"}}), Dots::Both);
-}
-
-TEST(HalftoneOptions, AllowLayersPerKindForDotsOnBothSidesOnly) {
-    EXPECT_EQ(parse({{"format", "svg"}})->drawing.layers, Layers::Ink);
-    EXPECT_EQ(parse({{"format", "svg"}, {"color", "cmyk"}, {"layers", "kind"}})->drawing.layers, Layers::Kind);
-    EXPECT_TRUE(parse({{"format", "png"}, {"layers", "ink"}}));
-    for (const Options& wrong : {Options{{"layers", "kind"}, {"format", "png"}},
-                                 Options{{"layers", "kind"}, {"format", "svg"}, {"dots", "ink"}}}) {
-        const auto request = parse(wrong);
-        ASSERT_FALSE(request);
-        EXPECT_EQ(request.error().field, "layers");
-    }
 }
 
 TEST(HalftoneOptions, RejectUnsupportedSidesOfDots) {
@@ -627,7 +631,7 @@ TEST(HalftoneOptions, RejectUnsupportedSidesOfDots) {
         {{{"dots", "both"}, {"style", "stroke"}, {"format", "svg"}}, "dots"},
         {{{"dots", "both"}, {"format", "dxf"}, {"width_mm", "90"}}, "dots"},
         {{{"dots", "both"}, {"minutes", "9"}, {"width_mm", "90"}}, "dots"},
-        {{{"dots", "both"}, {"background", "transparent"}, {"format", "svg"}}, "dots"},
+        {{{"sites", "50"}, {"dot", "2"}}, "dot"},
         {{{"dots", "both"}, {"invert", "true"}}, "invert"},
         {{{"dots", "ink"}, {"invert", "true"}}, "invert"},
         {{{"dots", "paper"}, {"invert", "false"}}, "invert"},

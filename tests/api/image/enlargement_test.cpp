@@ -27,7 +27,7 @@ Raster dots(int phase) {
             raster.coverage[static_cast<std::size_t>(y * kSide + x)] = static_cast<std::uint8_t>(255 * share + 0.5);
         }
     }
-    soften(raster);
+    soften(raster, 2);
     return raster;
 }
 

@@ -116,5 +116,17 @@ TEST(PlanDots, StopsOnRequest) {
     EXPECT_TRUE(plan.density.empty());
 }
 
+TEST(DotPlan, PlansALineByTheSquareOfDarkness) {
+    const DotPlan by_sites = plan_dots({flat(0.399f)}, kSide, kSide, {.sites = 500, .radius = {}, .mark = Mark::Line});
+    const double spacing = kSide / std::sqrt(500);
+    EXPECT_NEAR(2 * by_sites.radius, 0.4 * spacing, 0.005 * spacing);
+    const DotPlan by_width =
+        plan_dots({flat(0.399f)}, kSide, kSide, {.sites = {}, .radius = by_sites.radius, .mark = Mark::Line});
+    EXPECT_NEAR(by_width.dots.front(), 500, 1);
+    const DotPlan two =
+        plan_dots({flat(0.399f), flat(0.781f)}, kSide, kSide, {.sites = 500, .radius = {}, .mark = Mark::Line});
+    EXPECT_NEAR(two.dots[1] / two.dots[0], 4, 0.05);
+}
+
 }  // namespace
 }  // namespace ccdt

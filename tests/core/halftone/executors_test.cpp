@@ -3,14 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <tuple>
 #include <vector>
 
 #include "core/halftone/blur.h"
-#include "core/halftone/dot_fit.h"
 #include "core/halftone/dot_plan.h"
 #include "core/halftone/dots.h"
+#include "core/halftone/field_drawing.h"
+#include "core/halftone/field_plan.h"
 #include "core/halftone/fineness.h"
 #include "core/halftone/levels.h"
 #include "core/halftone/print_proof.h"
@@ -18,7 +20,6 @@
 #include "core/halftone/separation.h"
 #include "core/halftone/sharpening.h"
 #include "core/halftone/tone.h"
-#include "core/halftone/two_sided.h"
 #include "core/parallel/thread_executor.h"
 #include "tests/support/inks.h"
 
@@ -58,16 +59,28 @@ void expect_same(const Make& make) {
     }
 }
 
-TEST(Executors, GiveTheSameTwoSidedDots) {
+TEST(Executors, GiveTheSameDrawingByOneField) {
     constexpr CellGrid kCells{kWidth, kHeight};
     const std::vector<std::vector<float>> light{values_of(waves(0.05)), values_of(waves(0.06)), values_of(waves(0.08))};
-    const std::vector<std::vector<Point>> sites(kinds_of(light.size()), lattice());
     expect_same([&](Executor& executor) {
-        const TwoSidedPlan plan = plan_two_sided(light, kCells, {28'000, {}, 0.7, 0}, {}, executor);
-        std::vector<float> radii{static_cast<float>(plan.radius), static_cast<float>(plan.dots)};
-        for (const SizedDots& kind : size_dots(plan, sites, true, {}, executor))
-            radii.insert(radii.end(), kind.radii.begin(), kind.radii.end());
-        return radii;
+        const FieldPlan plan = plan_field(light, kCells, {4001, {}, 0.7, 3}, {}, executor);
+        const FieldDrawing drawing(plan, lattice(), CellGrid{kWidth / 2, kHeight / 2}, {}, executor);
+        std::vector<std::vector<std::uint8_t>> coverage;
+        for (const bool antialias : {true, false}) {
+            for (const Raster& raster : drawing.rasters(kWidth / 2, kHeight / 2, antialias))
+                coverage.push_back(raster.coverage);
+        }
+        return std::tuple(plan.density, coverage, FieldDrawing(plan, lattice(), {}, {}, executor).outlines());
+    });
+}
+
+TEST(Executors, GiveTheSamePlanOfInks) {
+    const LightPlanes light{values_of(waves(0.05)), values_of(waves(0.06)), values_of(waves(0.08))};
+    InkSet inks = test::cmyk_inks();
+    inks.inks.push_back({1, 0.4F, 0.1F});
+    expect_same([&](Executor& executor) {
+        const FieldPlan plan = plan_field(light, inks, {kWidth, kHeight}, {4001, {}, 0.7}, {}, executor);
+        return std::tuple(plan.density, plan.sets, plan.channels.back().light);
     });
 }
 

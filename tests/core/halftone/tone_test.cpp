@@ -50,7 +50,8 @@ TEST(InkCoverage, ClampsValues) {
 
 TEST(SitesOfDrawing, GrowWithSquareRootOfPixels) {
     const auto sites = [](double scale) {
-        return sites_of_drawing(250'000, 0, scale, 1e6 * scale * scale, std::numeric_limits<std::size_t>::max());
+        return sites_of_drawing(250'000, 0, scale, 1e6 * scale * scale, kRadiusOfDiscs,
+                                std::numeric_limits<std::size_t>::max());
     };
     EXPECT_EQ(sites(1), static_cast<std::size_t>(250'000 / (3.14159265358979 * 9)));
     EXPECT_NEAR(static_cast<double>(sites(4)) / static_cast<double>(sites(1)), 4, 0.001);
@@ -58,18 +59,20 @@ TEST(SitesOfDrawing, GrowWithSquareRootOfPixels) {
 }
 
 TEST(SitesOfDrawing, IncreaseUpToFourfoldForFineDetail) {
-    const auto sites = [](double fineness) { return sites_of_drawing(250'000, fineness, 1, 1e6, 1'000'000); };
+    const auto sites = [](double fineness) {
+        return sites_of_drawing(250'000, fineness, 1, 1e6, kRadiusOfDiscs, 1'000'000);
+    };
     EXPECT_EQ(sites(0.05), sites(0));
     EXPECT_NEAR(static_cast<double>(sites(0.12)) / static_cast<double>(sites(0)), 2, 0.001);
     EXPECT_NEAR(static_cast<double>(sites(1)) / static_cast<double>(sites(0)), 4, 0.001);
 }
 
 TEST(SitesOfDrawing, AreBounded) {
-    EXPECT_EQ(sites_of_drawing(64, 0, 100, 1e6, 1'000'000), 128u) << "two per pixel of ink";
-    EXPECT_EQ(sites_of_drawing(1e7, 1, 1, 4e7, 1'000'000), 100'000u);
-    EXPECT_EQ(sites_of_drawing(1e7, 1, 1, 4e7, 300), 300u);
-    EXPECT_EQ(sites_of_drawing(0, 0, 1, 1, 300), 1u);
-    EXPECT_EQ(sites_of_drawing(1, 0, 1e-9, 1, 0), 1u);
+    EXPECT_EQ(sites_of_drawing(64, 0, 100, 1e6, kRadiusOfDiscs, 1'000'000), 128u) << "two per pixel of ink";
+    EXPECT_EQ(sites_of_drawing(1e7, 1, 1, 4e7, kRadiusOfDiscs, 1'000'000), 100'000u);
+    EXPECT_EQ(sites_of_drawing(1e7, 1, 1, 4e7, kRadiusOfDiscs, 300), 300u);
+    EXPECT_EQ(sites_of_drawing(0, 0, 1, 1, kRadiusOfDiscs, 300), 1u);
+    EXPECT_EQ(sites_of_drawing(1, 0, 1e-9, 1, kRadiusOfDiscs, 0), 1u);
 }
 
 std::vector<float> ink(std::size_t pixels, float coverage) {

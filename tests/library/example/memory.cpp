@@ -62,14 +62,11 @@ void print(const ccdt::Triangulation& mesh) {
 }
 
 void print(const ccdt::Halftone& halftone) {
-    std::printf("{\"width\":%d,\"height\":%d,\"channels\":%d,\"dots\":", halftone.width, halftone.height,
-                halftone.channels);
-    print(halftone.dots, [](const ccdt::Dot& dot) {
-        std::printf("[%.17g,%.17g,%.9g,%d,%d]", dot.centre.x, dot.centre.y, static_cast<double>(dot.radius), dot.flips,
-                    dot.white);
-    });
-    std::fputs(",\"black\":", stdout);
-    print(halftone.black, [](const auto& rings) { print(rings, [](const auto& ring) { print(ring); }); });
+    std::printf("{\"width\":%d,\"height\":%d,\"channels\":%d,\"radius\":%.17g,\"points\":", halftone.width,
+                halftone.height, halftone.channels, halftone.radius);
+    print(halftone.points);
+    std::fputs(",\"rings\":", stdout);
+    print(halftone.rings, [](const auto& rings) { print(rings, [](const auto& ring) { print(ring); }); });
     std::fputs("}", stdout);
 }
 
