@@ -204,7 +204,7 @@ test("maps image pixels to device pixels, also after a change of size", async ()
     }, { once: true });
     new Function("element", script)(element);
   }), [act]);
-  const begin = `for (const [name, value] of [["src", "/cat.png"], ["sites", "900"], ["dot", "1.5"]]) element.setAttribute(name, value);
+  const begin = `for (const [name, value] of [["src", "/cat.png"], ["dots", "ink"], ["sites", "900"], ["dot", "1.5"]]) element.setAttribute(name, value);
     document.body.replaceChildren(element);`;
   assert.deepEqual(await loaded(begin), [902, 451, 451]);
   assert.deepEqual([queries[0].get("width"), queries[0].get("dot")], ["902", "3"]);
