@@ -157,8 +157,8 @@ std::string_view obstacle_to_both(const HalftoneRequest& request) {
     return needs_pen(*request.format) ? kPenObstacle : std::string_view{};
 }
 
-/// Chooses what the dots are. By default, drawings have Dots::Both, and lists have
-/// Dots::Ink. Must be called after the format is known.
+/// Chooses the shapes of the dots. By default, drawings have Dots::Both, and lists have Dots::Ink. Must be called after
+/// the format is known.
 Result<void> settle_sides(Draft& draft, const std::vector<Input>& inputs) {
     if (draft.dots && draft.invert && *draft.invert != (*draft.dots == Dots::Paper))
         return malformed(input_of("invert", inputs), "contradicts dots: invert=true means dots=paper");

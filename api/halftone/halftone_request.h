@@ -28,7 +28,7 @@ struct DotRadius {
     bool millimetres = false;
 };
 
-/// What the dots of a halftone are.
+/// Shapes of the dots of a halftone.
 enum class Dots {
     Both,   ///< areas of ink, drawn by one field: dots in the light, holes in the dark, a net in the middle
     Ink,    ///< discs of ink on paper

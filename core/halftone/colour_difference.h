@@ -8,6 +8,10 @@ namespace ccdt {
 /// CIE 1976 L*, a*, b*.
 using Lab = std::array<double, 3>;
 
+inline Lab operator-(const Lab& a, const Lab& b) {
+    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
 inline double dot(const Lab& a, const Lab& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }

@@ -5,7 +5,7 @@
 
 namespace ccdt {
 
-/// What is drawn at sites.
+/// Shapes that are drawn at sites.
 enum class Mark {
     Disc,  ///< discs of equal size
     Line,  ///< a line of constant width along a short path through all sites

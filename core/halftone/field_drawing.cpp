@@ -79,22 +79,32 @@ struct Widths {
     std::vector<float> step;  ///< [cells] in [0, steps - 1]
 };
 
+/// The density of sites of a plan around each of its cells.
+struct LocalDensity {
+    LocalDensity(const FieldPlan& plan, Executor& executor)
+        : values(blurred(plan.density, plan.cells.columns, plan.cells.rows, plan.pitch(), executor)),
+          mean(sum_of_pixels(executor, plan.density.size(),
+                             [&](std::size_t i) { return static_cast<double>(plan.density[i]); }) /
+               static_cast<double>(plan.density.size())) {}
+
+    std::vector<float> values;
+    double mean;
+};
+
 /// Returns the widths over which ink is fitted: a little more than half the local spacing.
+/// @param local  density of the plan
 /// @param reach  in spacings
 /// @param least  in cells
-Widths fit_widths(const FieldPlan& plan, const CellGrid& cells, double reach, double least, Executor& executor) {
+Widths fit_widths(const FieldPlan& plan, const LocalDensity& local, const CellGrid& cells, double reach, double least,
+                  Executor& executor) {
     constexpr double kNarrow = 0.7, kWide = 1.4, kWideIfLimited = 4;
-    const double total = sum_of_pixels(executor, plan.density.size(),
-                                       [&](std::size_t i) { return static_cast<double>(plan.density[i]); });
-    const double mean = total / static_cast<double>(plan.density.size());
     const double pitch = std::sqrt(static_cast<double>(size_of(cells)) / std::max(plan.sites, 1.0));
     const double wide = plan.is_limited ? kWideIfLimited : kWide;
-    auto widths = Resampling(plan.cells, cells)(
-        blurred(plan.density, plan.cells.columns, plan.cells.rows, plan.pitch(), executor), executor);
+    auto widths = Resampling(plan.cells, cells)(local.values, executor);
     for_pixels(executor, widths.size(), [&](std::size_t i) {
-        const double density = mean > 0 ? std::max(static_cast<double>(widths[i]) / mean, 1e-6) : 1;
-        const double local = pitch * std::clamp(1 / std::sqrt(density), kNarrow, wide);
-        widths[i] = static_cast<float>(std::max(reach * local, least));
+        const double density = local.mean > 0 ? std::max(static_cast<double>(widths[i]) / local.mean, 1e-6) : 1;
+        const double spacing = pitch * std::clamp(1 / std::sqrt(density), kNarrow, wide);
+        widths[i] = static_cast<float>(std::max(reach * spacing, least));
     });
     return {cells, std::move(widths), executor};
 }
@@ -352,10 +362,11 @@ FieldDrawing::FieldDrawing(const FieldPlan& plan, std::span<const Point> sites, 
     constexpr double kLeast = 1.5, kLeastOfCoarse = 2;  // cells
     constexpr float kFirstGain = 1.9f, kLastGain = 0.5f;
     const Resampling resampling(plan.cells, cells_);
-    const Widths widths = fit_widths(plan, cells_, kReach, kLeast, executor);
-    const Widths wide = fit_widths(plan, cells_, kWideReach, kLeast, executor);
+    const LocalDensity local(plan, executor);
+    const Widths widths = fit_widths(plan, local, cells_, kReach, kLeast, executor);
+    const Widths wide = fit_widths(plan, local, cells_, kWideReach, kLeast, executor);
     const CellGrid half{(cells_.columns + 1) / 2, (cells_.rows + 1) / 2};
-    const Widths coarse = widths.least < kLeastOfCoarse ? widths : fit_widths(plan, half, kReach, 0, executor);
+    const Widths coarse = widths.least < kLeastOfCoarse ? widths : fit_widths(plan, local, half, kReach, 0, executor);
     const bool is_drawn = cells_ != canvas;  // whether ink is measured in other pixels than the cells
     for (const FieldChannel& channel : plan.channels) {
         std::vector<float> start = start_of(channel, resampling, executor);

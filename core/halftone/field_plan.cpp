@@ -231,10 +231,6 @@ std::vector<float> smoothed(const std::vector<float>& light, const CellGrid& cel
     return denoised(light, cells.columns, cells.rows, kDenoising, kSteps, executor);
 }
 
-Overprint::Channels difference(const Overprint::Channels& a, const Overprint::Channels& b) {
-    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-
 /// Chooses sets of inks that reproduce the colours of a picture. Starts with the darkest and the lightest set, and adds
 /// the set that brings the mixtures nearest to those of all sets, until there are enough.
 /// @returns  from dark to light
@@ -266,10 +262,10 @@ std::vector<unsigned> useful_sets(const LightPlanes& light, const InkSet& inks, 
             const auto seen = mixture.light(mixture.solve(colours[i]));
             const auto [red, green, blue] = colours[i];
             const double weight = 100 * static_cast<double>(lightness_slope(luminance_of(red, green, blue)));
-            const Overprint::Channels off = difference(wanted[i], seen);
+            const Overprint::Channels off = wanted[i] - seen;
             if (weight * std::sqrt(dot(off, off)) < kNegligible) return;
             for (std::size_t j = 0; j < all.size(); ++j) {
-                const Overprint::Channels way = difference(whole.light(j), seen);
+                const Overprint::Channels way = whole.light(j) - seen;
                 const double along = weight * std::max(dot(off, way), 0.0);
                 if (along > 0) gains[i][j] = along * along / dot(way, way);
             }

@@ -14,8 +14,8 @@ namespace ccdt {
 /// the triangle's shape, because barycentric coordinates keep ratios of areas. Its values along an edge do not depend
 /// on the triangle's third corner, so contours continue from triangle to triangle.
 ///
-/// Where it is near 1, its contours are circles around the corners, up to the deformation of the triangle. Where it is
-/// near 0, they are circles around the centroid. Dots of neighbouring corners join at the value 0.407.
+/// Its contours near the value 1 are circles around the corners, up to the deformation of the triangle, and near 0
+/// circles around the centroid. Dots of neighbouring corners join at the value 0.407.
 class SpotFunction {
 public:
     SpotFunction();

@@ -25,7 +25,7 @@ struct PictureView {
     std::variant<std::span<const std::uint8_t>, std::span<const float>> values;
 };
 
-/// What the points of a halftone draw.
+/// Shapes that are drawn at the points of a halftone.
 enum class Sides {
     Both,   ///< dots of ink in the light, holes in the ink in the dark, and a net between them
     Ink,    ///< discs of ink on white
