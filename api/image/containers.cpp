@@ -128,51 +128,70 @@ std::string repair_jpeg(std::string_view bytes) {
     return repaired += kEnd;
 }
 
-TiffDirectory::TiffDirectory(std::string_view bytes)
-    : TiffDirectory(bytes, ByteReader(bytes, bytes.starts_with("MM")).read(4, 4).value_or(0)) {}
+TiffDirectory::TiffDirectory(std::string_view bytes) : TiffDirectory(bytes, 0) {
+    *this = TiffDirectory(bytes, integer(is_big_ ? 8 : 4, word_).value_or(0));
+}
 
 TiffDirectory::TiffDirectory(std::string_view bytes, std::size_t begin)
-    : bytes_(bytes), reader_(bytes, bytes.starts_with("MM")) {
-    const auto entries = reader_.read(begin, 2);
-    if (begin == 0 || !entries) return;
+    : bytes_(bytes),
+      reader_(bytes, bytes.starts_with("MM")),
+      is_big_(reader_.read(2, 2) == 43U),
+      word_(is_big_ ? 8 : 4) {
+    constexpr std::size_t kMost = 65'535;  // entries, as many as a classic TIFF can have
+    const auto entries = integer(begin, is_big_ ? 8 : 2);
+    if (begin == 0 || !entries || *entries > kMost) return;
     begin_ = begin;
     entries_ = *entries;
 }
 
 std::size_t TiffDirectory::next() const {
     if (begin_ == 0) return 0;
-    return reader_.read(begin_ + 2 + kEntrySize * entries_, 4).value_or(0);
+    return integer(entry(entries_), word_).value_or(0);
+}
+
+/// Returns the offset of an entry: a tag, a type, a count, and the value or its offset.
+std::size_t TiffDirectory::entry(std::size_t index) const {
+    return begin_ + (is_big_ ? 8 : 2) + (4 + 2 * word_) * index;
+}
+
+/// Reads an unsigned integer of 1, 2, 4 or 8 bytes.
+std::optional<std::uint64_t> TiffDirectory::integer(std::size_t at, std::size_t size) const {
+    const auto first = reader_.read(at, std::min<std::size_t>(size, 4));
+    if (size <= 4 || !first) return first;
+    const auto second = reader_.read(at + 4, 4);
+    if (!second) return std::nullopt;
+    return bytes_.starts_with("MM") ? std::uint64_t{*first} << 32 | *second : std::uint64_t{*second} << 32 | *first;
 }
 
 std::optional<std::size_t> TiffDirectory::find(std::uint32_t tag) const {
     for (std::size_t i = 0; i < entries_; ++i) {
-        const std::size_t entry = begin_ + 2 + kEntrySize * i;
-        const auto name = reader_.read(entry, 2);
+        const auto name = reader_.read(entry(i), 2);
         if (!name) return std::nullopt;
-        if (*name == tag) return entry;
+        if (*name == tag) return entry(i);
     }
     return std::nullopt;
 }
 
 std::optional<std::uint32_t> TiffDirectory::number(std::uint32_t tag, std::uint32_t index) const {
-    constexpr std::uint32_t kShort = 3, kLong = 4;
+    constexpr std::uint32_t kShort = 3, kLong = 4, kLong8 = 16, kLargest = 0xFFFFFFFF;
     const auto entry = find(tag);
     if (!entry) return std::nullopt;
     const auto type = reader_.read(*entry + 2, 2);
-    const std::size_t size = type == kShort ? 2 : 4;
-    if (type != kShort && type != kLong) return std::nullopt;
-    const auto count = reader_.read(*entry + 4, 4);
+    const std::size_t size = type == kShort ? 2 : type == kLong ? 4 : 8;
+    if (size == 8 && type != kLong8) return std::nullopt;
+    const auto count = integer(*entry + 4, word_);
     if (!count || index >= *count) return std::nullopt;
-    if (std::uint64_t{*count} * size <= 4) return reader_.read(*entry + 8 + index * size, size);
-    const auto elsewhere = reader_.read(*entry + 8, 4);
-    return elsewhere ? reader_.read(*elsewhere + index * size, size) : std::nullopt;
+    const std::size_t place = *entry + 4 + word_;
+    const auto values = *count <= word_ / size ? place : integer(place, word_);
+    const auto value = values ? integer(*values + index * size, size) : std::nullopt;
+    return value && *value <= kLargest ? std::optional(static_cast<std::uint32_t>(*value)) : std::nullopt;
 }
 
 std::optional<std::string_view> TiffDirectory::data(std::uint32_t tag) const {
     const auto entry = find(tag);
     if (!entry) return std::nullopt;
-    const auto size = reader_.read(*entry + 4, 4);
-    const auto begin = reader_.read(*entry + 8, 4);
+    const auto size = integer(*entry + 4, word_);
+    const auto begin = integer(*entry + 4 + word_, word_);
     if (!size || !begin || *begin > bytes_.size() || *size > bytes_.size() - *begin) return std::nullopt;
     return bytes_.substr(*begin, *size);
 }

@@ -72,8 +72,8 @@ std::optional<Segment> jpeg_segment(std::string_view bytes, std::size_t at);
 /// none of them.
 std::string repair_jpeg(std::string_view bytes);
 
-/// Reads a directory of a TIFF file or EXIF block.
-/// Source: TIFF 6.0, 2.
+/// Reads a directory of a TIFF or BigTIFF file, or of an EXIF block.
+/// Source: TIFF 6.0, 2; the BigTIFF file format.
 class TiffDirectory {
 public:
     static constexpr std::uint32_t kWidth = 256, kHeight = 257;  ///< tags of the picture's size
@@ -84,7 +84,7 @@ public:
     /// Reads the directory at an offset.
     TiffDirectory(std::string_view bytes, std::size_t begin);
 
-    /// Returns a 16-bit or 32-bit integer in the entry of a tag; none if there is no such entry or integer.
+    /// Returns an unsigned integer below 2^32 in the entry of a tag; none if there is no such entry or integer.
     std::optional<std::uint32_t> number(std::uint32_t tag, std::uint32_t index = 0) const;
 
     /// Returns the bytes in the entry of a tag; none if there is no entry, or if the file ends too early.
@@ -102,6 +102,8 @@ private:
 
     std::string_view bytes_;
     ByteReader reader_;
+    bool is_big_;       ///< whether the file is a BigTIFF
+    std::size_t word_;  ///< size of counts and offsets in bytes
     std::size_t begin_ = 0;
     std::size_t entries_ = 0;
 };

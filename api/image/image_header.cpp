@@ -434,7 +434,9 @@ Result<ImageFormat> recognise_image(std::string_view bytes) {
     if (bytes.starts_with("\x89PNG\r\n\x1a\n"sv)) return ImageFormat::Png;
     if (bytes.starts_with("\xff\xd8\xff"sv)) return ImageFormat::Jpeg;
     if (bytes.starts_with("RIFF"sv) && bytes.substr(0, 12).ends_with("WEBP"sv)) return ImageFormat::WebP;
-    if (bytes.starts_with("II*\0"sv) || bytes.starts_with("MM\0*"sv)) return ImageFormat::Tiff;
+    for (const auto mark : {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv}) {
+        if (bytes.starts_with(mark)) return ImageFormat::Tiff;
+    }
     if (bytes.starts_with("GIF87a"sv) || bytes.starts_with("GIF89a"sv)) return ImageFormat::Gif;
     if (is_bmp(bytes)) return ImageFormat::Bmp;
     if (is_avif(bytes)) return ImageFormat::Avif;
