@@ -75,6 +75,42 @@ std::optional<Segment> jpeg_segment(std::string_view bytes, std::size_t at) {
     return Segment{marker, bytes.substr(at + 4, *length - 2), at, at + 2 + *length};
 }
 
+std::optional<JpegCoding> jpeg_coding(std::uint32_t marker) {
+    constexpr std::uint32_t kJpegLs = 0xF7;
+    switch (marker) {
+        case 0xC0:
+        case 0xC1:
+        case 0xC9:
+            return JpegCoding::Sequential;
+        case 0xC2:
+        case 0xCA:
+            return JpegCoding::Progressive;
+        case 0xC4:
+        case 0xC8:
+        case 0xCC:
+            return std::nullopt;
+        default:
+            break;
+    }
+    const bool is_frame = (marker >= 0xC0 && marker <= 0xCF) || marker == kJpegLs;
+    return is_frame ? std::optional(JpegCoding::Other) : std::nullopt;
+}
+
+std::optional<Segment> jpeg_frame(std::string_view bytes, std::size_t at) {
+    for (auto segment = jpeg_segment(bytes, at); segment; segment = jpeg_segment(bytes, segment->end)) {
+        if (segment->marker == kJpegEnd || segment->marker == kJpegScan) break;
+        if (jpeg_coding(segment->marker)) return segment;
+    }
+    return std::nullopt;
+}
+
+std::string unread_jpeg(const Segment& frame) {
+    constexpr int kBits = 8;
+    if (jpeg_coding(frame.marker) == JpegCoding::Other) return "a JPEG with lossless or hierarchical coding";
+    const int bits = frame.data.empty() ? kBits : static_cast<unsigned char>(frame.data.front());
+    return bits == kBits ? "" : "a JPEG with " + std::to_string(bits) + " bits per channel";
+}
+
 namespace {
 
 /// Replaces unknown values in a JPEG, of which decoders only warn, by those that decoders assume: the version of JFIF,
@@ -96,9 +132,9 @@ bool replace_unknown_values(std::string& head) {
         const std::size_t first = begin + 4;
         if (marker == 0xE0 && data.size() > 5 && data.starts_with("JFIF\0"sv)) set(first + 5, 1);
         if (marker == 0xEE && data.size() > 11 && data.starts_with("Adobe")) transform = first + 11;
-        const bool is_sequential_frame = marker == 0xC0 || marker == 0xC1 || marker == 0xC9;
-        is_sequential = is_sequential || is_sequential_frame;
-        if ((is_sequential_frame || marker == 0xC2 || marker == 0xCA) && data.size() > 5) channels = data[5];
+        const auto coding = jpeg_coding(marker);
+        is_sequential = is_sequential || coding == JpegCoding::Sequential;
+        if (coding && data.size() > 5) channels = data[5];
         if (marker != kJpegScan || !is_sequential || data.size() < 3 || end > head.size()) continue;
         set(end - 3, 0);
         set(end - 2, 63);

@@ -35,6 +35,7 @@ inline constexpr std::size_t kPngChunks = 8;      ///< offset of the first chunk
 inline constexpr std::size_t kRiffChunks = 12;    ///< offset of the first chunk of a WebP file
 inline constexpr std::size_t kJpegSegments = 2;   ///< offset of the first segment of a JPEG file
 inline constexpr std::uint32_t kJpegScan = 0xDA;  ///< marker of the header of a scan in a JPEG file
+inline constexpr std::uint32_t kJpegEnd = 0xD9;   ///< marker of the end of a JPEG file
 
 /// Returns the chunk of a PNG file at an offset; none if the file ends before the chunk does.
 /// Source: PNG (ISO/IEC 15948), 5.3.
@@ -67,6 +68,21 @@ struct Segment {
 /// Source: JPEG (ITU-T T.81), B.1.1.
 std::optional<Segment> jpeg_segment(std::string_view bytes, std::size_t at);
 
+/// Process of coding that the frame of a JPEG uses.
+enum class JpegCoding { Sequential, Progressive, Other };
+
+/// Returns the process that a marker of a frame states; none for other markers.
+/// Source: JPEG (ITU-T T.81), table B.1; JPEG-LS (ITU-T T.87), C.1.1.
+std::optional<JpegCoding> jpeg_coding(std::uint32_t marker);
+
+/// Returns the header of the first frame of a JPEG; none if a scan or the end of the file precedes it.
+/// @param at  offset after the marker of the beginning of the JPEG
+std::optional<Segment> jpeg_frame(std::string_view bytes, std::size_t at = kJpegSegments);
+
+/// Returns the kind of a JPEG that the decoder does not read, as in "a JPEG with lossless coding"; empty if it reads
+/// this kind.
+std::string unread_jpeg(const Segment& frame);
+
 /// Returns a copy of a JPEG file without bytes between the segments before its first scan, with known values in these
 /// segments, and with the marker of its end. Decoders only warn of such faults. Returns an empty string if the file has
 /// none of them.
@@ -96,9 +112,9 @@ public:
     std::size_t next() const;                     ///< offset of the next directory in the file's list; 0: none
 
 private:
-    static constexpr std::size_t kEntrySize = 12;
-
+    std::size_t entry(std::size_t index) const;
     std::optional<std::size_t> find(std::uint32_t tag) const;
+    std::optional<std::uint64_t> integer(std::size_t at, std::size_t size) const;
 
     std::string_view bytes_;
     ByteReader reader_;

@@ -664,6 +664,9 @@ TEST(TiffReader, NamesKindsThatItDoesNotRead) {
                                                             : grey,
                        TIFFTAG_COMPRESSION, compression),
             words);
+    std::string lossless = make_tiff({.compression = COMPRESSION_JPEG});
+    lossless[lossless.find("\xff\xc0") + 1] = '\xc3';
+    expect_refused(lossless, "8-bit grey, compressed as a JPEG with lossless or hierarchical coding");
     expect_refused(make_tiff({.tags = [](TIFF* tiff) { TIFFSetField(tiff, TIFFTAG_IMAGEDEPTH, 2); }}), "dimensions");
     expect_refused(make_tiff({.tags =
                                   [](TIFF* tiff) {
