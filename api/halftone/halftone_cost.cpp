@@ -259,8 +259,11 @@ Cost cost_of(const HalftoneRequest& request, const Limits& limits) {
     const double sites = max_dots(request, limits);
     const Estimate read =
         then(decoding_cost(request) + levels_cost(request) + cropping_cost(request), sharpening_cost(request, sites));
-    const Estimate placed = densities_cost(request, sites) + placing_cost(request, sites);
-    Cost all = total_cost(then(then(read, placed), writing_cost(request, sites, limits)));
+    const Estimate densities = densities_cost(request, sites);
+    const Estimate written = writing_cost(request, sites, limits);
+    Cost all = total_cost(then(then(read, densities + placing_cost(request, sites)), written));
+    all.before = read.seconds + densities.seconds;
+    all.after = written.seconds;
     all.answer = request.sites.value_or(0) * request.format->least;
     return all;
 }

@@ -75,6 +75,42 @@ std::optional<Segment> jpeg_segment(std::string_view bytes, std::size_t at) {
     return Segment{marker, bytes.substr(at + 4, *length - 2), at, at + 2 + *length};
 }
 
+std::optional<JpegCoding> jpeg_coding(std::uint32_t marker) {
+    constexpr std::uint32_t kJpegLs = 0xF7;
+    switch (marker) {
+        case 0xC0:
+        case 0xC1:
+        case 0xC9:
+            return JpegCoding::Sequential;
+        case 0xC2:
+        case 0xCA:
+            return JpegCoding::Progressive;
+        case 0xC4:
+        case 0xC8:
+        case 0xCC:
+            return std::nullopt;
+        default:
+            break;
+    }
+    const bool is_frame = (marker >= 0xC0 && marker <= 0xCF) || marker == kJpegLs;
+    return is_frame ? std::optional(JpegCoding::Other) : std::nullopt;
+}
+
+std::optional<Segment> jpeg_frame(std::string_view bytes, std::size_t at) {
+    for (auto segment = jpeg_segment(bytes, at); segment; segment = jpeg_segment(bytes, segment->end)) {
+        if (segment->marker == kJpegEnd || segment->marker == kJpegScan) break;
+        if (jpeg_coding(segment->marker)) return segment;
+    }
+    return std::nullopt;
+}
+
+std::string unread_jpeg(const Segment& frame) {
+    constexpr int kBits = 8;
+    if (jpeg_coding(frame.marker) == JpegCoding::Other) return "a JPEG with lossless or hierarchical coding";
+    const int bits = frame.data.empty() ? kBits : static_cast<unsigned char>(frame.data.front());
+    return bits == kBits ? "" : "a JPEG with " + std::to_string(bits) + " bits per channel";
+}
+
 namespace {
 
 /// Replaces unknown values in a JPEG, of which decoders only warn, by those that decoders assume: the version of JFIF,
@@ -96,9 +132,9 @@ bool replace_unknown_values(std::string& head) {
         const std::size_t first = begin + 4;
         if (marker == 0xE0 && data.size() > 5 && data.starts_with("JFIF\0"sv)) set(first + 5, 1);
         if (marker == 0xEE && data.size() > 11 && data.starts_with("Adobe")) transform = first + 11;
-        const bool is_sequential_frame = marker == 0xC0 || marker == 0xC1 || marker == 0xC9;
-        is_sequential = is_sequential || is_sequential_frame;
-        if ((is_sequential_frame || marker == 0xC2 || marker == 0xCA) && data.size() > 5) channels = data[5];
+        const auto coding = jpeg_coding(marker);
+        is_sequential = is_sequential || coding == JpegCoding::Sequential;
+        if (coding && data.size() > 5) channels = data[5];
         if (marker != kJpegScan || !is_sequential || data.size() < 3 || end > head.size()) continue;
         set(end - 3, 0);
         set(end - 2, 63);
@@ -128,51 +164,70 @@ std::string repair_jpeg(std::string_view bytes) {
     return repaired += kEnd;
 }
 
-TiffDirectory::TiffDirectory(std::string_view bytes)
-    : TiffDirectory(bytes, ByteReader(bytes, bytes.starts_with("MM")).read(4, 4).value_or(0)) {}
+TiffDirectory::TiffDirectory(std::string_view bytes) : TiffDirectory(bytes, 0) {
+    *this = TiffDirectory(bytes, integer(is_big_ ? 8 : 4, word_).value_or(0));
+}
 
 TiffDirectory::TiffDirectory(std::string_view bytes, std::size_t begin)
-    : bytes_(bytes), reader_(bytes, bytes.starts_with("MM")) {
-    const auto entries = reader_.read(begin, 2);
-    if (begin == 0 || !entries) return;
+    : bytes_(bytes),
+      reader_(bytes, bytes.starts_with("MM")),
+      is_big_(reader_.read(2, 2) == 43U),
+      word_(is_big_ ? 8 : 4) {
+    constexpr std::size_t kMost = 65'535;  // entries, as many as a classic TIFF can have
+    const auto entries = integer(begin, is_big_ ? 8 : 2);
+    if (begin == 0 || !entries || *entries > kMost) return;
     begin_ = begin;
     entries_ = *entries;
 }
 
 std::size_t TiffDirectory::next() const {
     if (begin_ == 0) return 0;
-    return reader_.read(begin_ + 2 + kEntrySize * entries_, 4).value_or(0);
+    return integer(entry(entries_), word_).value_or(0);
+}
+
+/// Returns the offset of an entry: a tag, a type, a count, and the value or its offset.
+std::size_t TiffDirectory::entry(std::size_t index) const {
+    return begin_ + (is_big_ ? 8 : 2) + (4 + 2 * word_) * index;
+}
+
+/// Reads an unsigned integer of 1, 2, 4 or 8 bytes.
+std::optional<std::uint64_t> TiffDirectory::integer(std::size_t at, std::size_t size) const {
+    const auto first = reader_.read(at, std::min<std::size_t>(size, 4));
+    if (size <= 4 || !first) return first;
+    const auto second = reader_.read(at + 4, 4);
+    if (!second) return std::nullopt;
+    return bytes_.starts_with("MM") ? std::uint64_t{*first} << 32 | *second : std::uint64_t{*second} << 32 | *first;
 }
 
 std::optional<std::size_t> TiffDirectory::find(std::uint32_t tag) const {
     for (std::size_t i = 0; i < entries_; ++i) {
-        const std::size_t entry = begin_ + 2 + kEntrySize * i;
-        const auto name = reader_.read(entry, 2);
+        const auto name = reader_.read(entry(i), 2);
         if (!name) return std::nullopt;
-        if (*name == tag) return entry;
+        if (*name == tag) return entry(i);
     }
     return std::nullopt;
 }
 
 std::optional<std::uint32_t> TiffDirectory::number(std::uint32_t tag, std::uint32_t index) const {
-    constexpr std::uint32_t kShort = 3, kLong = 4;
+    constexpr std::uint32_t kShort = 3, kLong = 4, kLong8 = 16, kLargest = 0xFFFFFFFF;
     const auto entry = find(tag);
     if (!entry) return std::nullopt;
     const auto type = reader_.read(*entry + 2, 2);
-    const std::size_t size = type == kShort ? 2 : 4;
-    if (type != kShort && type != kLong) return std::nullopt;
-    const auto count = reader_.read(*entry + 4, 4);
+    const std::size_t size = type == kShort ? 2 : type == kLong ? 4 : 8;
+    if (size == 8 && type != kLong8) return std::nullopt;
+    const auto count = integer(*entry + 4, word_);
     if (!count || index >= *count) return std::nullopt;
-    if (std::uint64_t{*count} * size <= 4) return reader_.read(*entry + 8 + index * size, size);
-    const auto elsewhere = reader_.read(*entry + 8, 4);
-    return elsewhere ? reader_.read(*elsewhere + index * size, size) : std::nullopt;
+    const std::size_t place = *entry + 4 + word_;
+    const auto values = *count <= word_ / size ? place : integer(place, word_);
+    const auto value = values ? integer(*values + index * size, size) : std::nullopt;
+    return value && *value <= kLargest ? std::optional(static_cast<std::uint32_t>(*value)) : std::nullopt;
 }
 
 std::optional<std::string_view> TiffDirectory::data(std::uint32_t tag) const {
     const auto entry = find(tag);
     if (!entry) return std::nullopt;
-    const auto size = reader_.read(*entry + 4, 4);
-    const auto begin = reader_.read(*entry + 8, 4);
+    const auto size = integer(*entry + 4, word_);
+    const auto begin = integer(*entry + 4 + word_, word_);
     if (!size || !begin || *begin > bytes_.size() || *size > bytes_.size() - *begin) return std::nullopt;
     return bytes_.substr(*begin, *size);
 }

@@ -35,6 +35,7 @@ inline constexpr std::size_t kPngChunks = 8;      ///< offset of the first chunk
 inline constexpr std::size_t kRiffChunks = 12;    ///< offset of the first chunk of a WebP file
 inline constexpr std::size_t kJpegSegments = 2;   ///< offset of the first segment of a JPEG file
 inline constexpr std::uint32_t kJpegScan = 0xDA;  ///< marker of the header of a scan in a JPEG file
+inline constexpr std::uint32_t kJpegEnd = 0xD9;   ///< marker of the end of a JPEG file
 
 /// Returns the chunk of a PNG file at an offset; none if the file ends before the chunk does.
 /// Source: PNG (ISO/IEC 15948), 5.3.
@@ -67,13 +68,28 @@ struct Segment {
 /// Source: JPEG (ITU-T T.81), B.1.1.
 std::optional<Segment> jpeg_segment(std::string_view bytes, std::size_t at);
 
+/// Process of coding that the frame of a JPEG uses.
+enum class JpegCoding { Sequential, Progressive, Other };
+
+/// Returns the process that a marker of a frame states; none for other markers.
+/// Source: JPEG (ITU-T T.81), table B.1; JPEG-LS (ITU-T T.87), C.1.1.
+std::optional<JpegCoding> jpeg_coding(std::uint32_t marker);
+
+/// Returns the header of the first frame of a JPEG; none if a scan or the end of the file precedes it.
+/// @param at  offset after the marker of the beginning of the JPEG
+std::optional<Segment> jpeg_frame(std::string_view bytes, std::size_t at = kJpegSegments);
+
+/// Returns the kind of a JPEG that the decoder does not read, as in "a JPEG with lossless coding"; empty if it reads
+/// this kind.
+std::string unread_jpeg(const Segment& frame);
+
 /// Returns a copy of a JPEG file without bytes between the segments before its first scan, with known values in these
 /// segments, and with the marker of its end. Decoders only warn of such faults. Returns an empty string if the file has
 /// none of them.
 std::string repair_jpeg(std::string_view bytes);
 
-/// Reads a directory of a TIFF file or EXIF block.
-/// Source: TIFF 6.0, 2.
+/// Reads a directory of a TIFF or BigTIFF file, or of an EXIF block.
+/// Source: TIFF 6.0, 2; the BigTIFF file format.
 class TiffDirectory {
 public:
     static constexpr std::uint32_t kWidth = 256, kHeight = 257;  ///< tags of the picture's size
@@ -84,7 +100,7 @@ public:
     /// Reads the directory at an offset.
     TiffDirectory(std::string_view bytes, std::size_t begin);
 
-    /// Returns a 16-bit or 32-bit integer in the entry of a tag; none if there is no such entry or integer.
+    /// Returns an unsigned integer below 2^32 in the entry of a tag; none if there is no such entry or integer.
     std::optional<std::uint32_t> number(std::uint32_t tag, std::uint32_t index = 0) const;
 
     /// Returns the bytes in the entry of a tag; none if there is no entry, or if the file ends too early.
@@ -96,12 +112,14 @@ public:
     std::size_t next() const;                     ///< offset of the next directory in the file's list; 0: none
 
 private:
-    static constexpr std::size_t kEntrySize = 12;
-
+    std::size_t entry(std::size_t index) const;
     std::optional<std::size_t> find(std::uint32_t tag) const;
+    std::optional<std::uint64_t> integer(std::size_t at, std::size_t size) const;
 
     std::string_view bytes_;
     ByteReader reader_;
+    bool is_big_;       ///< whether the file is a BigTIFF
+    std::size_t word_;  ///< size of counts and offsets in bytes
     std::size_t begin_ = 0;
     std::size_t entries_ = 0;
 };

@@ -50,8 +50,6 @@ Result<ImageHeader> read_png(std::string_view bytes) {
     return header;
 }
 
-constexpr std::uint32_t kJpegEnd = 0xD9;
-
 /// Maximum number of scans of a JPEG. A scan of a few bytes may cost a pass over the picture. Encoders write about ten.
 constexpr int kMaxScans = 100;
 
@@ -81,32 +79,26 @@ bool has_too_many_scans(std::string_view bytes, std::size_t at) {
 /// Reads the header of a JPEG. Rows are decoded one by one. If the picture has several scans, the decoder keeps all
 /// coefficients.
 Result<ImageHeader> read_jpeg(std::string_view bytes) {
-    std::size_t at = kJpegSegments;
-    while (const auto segment = jpeg_segment(bytes, at)) {
-        const std::uint32_t name = segment->marker;
-        const bool frame = name >= 0xC0 && name <= 0xCF && name != 0xC4 && name != 0xC8 && name != 0xCC;
-        if (name == kJpegEnd || name == kJpegScan) return broken_image();
-        if (frame) {
-            const ByteReader reader(segment->data, true);
-            const auto height = reader.read(1, 2);
-            const auto width = reader.read(3, 2);
-            const auto channels = reader.read(5, 1);
-            if (!channels) return broken_image();
-            ImageHeader header{ImageFormat::Jpeg, *width, *height, 0};
-            // A baseline picture may have several scans, too. Its frame header does not state the number.
-            constexpr uint64_t kCoefficient = 2;  // bytes
-            constexpr uint64_t kBlock = 16;       // pixels; sides are rounded up to a multiple of this number
-            header.decoder_bytes = (header.width + kBlock) * (header.height + kBlock) * *channels * kCoefficient;
-            header.decoder_bytes += bytes.size();  // for a copy without faults
-            header.is_ink_jpeg = *channels == 4;
-            if (has_too_many_scans(bytes, segment->end))
-                return failure(ErrorCode::Unusable,
-                               "the image is a JPEG with more than " + std::to_string(kMaxScans) + " scans");
-            return header;
-        }
-        at = segment->end;
-    }
-    return broken_image();
+    const auto frame = jpeg_frame(bytes);
+    if (!frame) return broken_image();
+    const ByteReader reader(frame->data, true);
+    const auto height = reader.read(1, 2);
+    const auto width = reader.read(3, 2);
+    const auto channels = reader.read(5, 1);
+    if (!channels) return broken_image();
+    if (const std::string kind = unread_jpeg(*frame); !kind.empty())
+        return failure(ErrorCode::Unusable, "the server does not read this kind of image: " + kind);
+    ImageHeader header{ImageFormat::Jpeg, *width, *height, 0};
+    // A baseline picture may have several scans, too. Its frame header does not state the number.
+    constexpr uint64_t kCoefficient = 2;  // bytes
+    constexpr uint64_t kBlock = 16;       // pixels; sides are rounded up to a multiple of this number
+    header.decoder_bytes = (header.width + kBlock) * (header.height + kBlock) * *channels * kCoefficient;
+    header.decoder_bytes += bytes.size();  // for a copy without faults
+    header.is_ink_jpeg = *channels == 4;
+    if (has_too_many_scans(bytes, frame->end))
+        return failure(ErrorCode::Unusable,
+                       "the image is a JPEG with more than " + std::to_string(kMaxScans) + " scans");
+    return header;
 }
 
 constexpr std::size_t kRiffHeader = 8;  ///< size of a chunk's header: its name and its size
@@ -434,7 +426,9 @@ Result<ImageFormat> recognise_image(std::string_view bytes) {
     if (bytes.starts_with("\x89PNG\r\n\x1a\n"sv)) return ImageFormat::Png;
     if (bytes.starts_with("\xff\xd8\xff"sv)) return ImageFormat::Jpeg;
     if (bytes.starts_with("RIFF"sv) && bytes.substr(0, 12).ends_with("WEBP"sv)) return ImageFormat::WebP;
-    if (bytes.starts_with("II*\0"sv) || bytes.starts_with("MM\0*"sv)) return ImageFormat::Tiff;
+    for (const auto mark : {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv}) {
+        if (bytes.starts_with(mark)) return ImageFormat::Tiff;
+    }
     if (bytes.starts_with("GIF87a"sv) || bytes.starts_with("GIF89a"sv)) return ImageFormat::Gif;
     if (is_bmp(bytes)) return ImageFormat::Bmp;
     if (is_avif(bytes)) return ImageFormat::Avif;

@@ -328,7 +328,7 @@ Result<TiffPixels> read_pixels(TIFF* tiff, const TiffDirectory& directory, TiffU
     return pixels;
 }
 
-Result<void> check_compression(TIFF* tiff, const TiffPixels& pixels) {
+Result<void> check_compression(TIFF* tiff, const TiffPixels& pixels, std::string_view bytes) {
     constexpr std::array kKnown = {COMPRESSION_NONE,          COMPRESSION_LZW,     COMPRESSION_JPEG,
                                    COMPRESSION_ADOBE_DEFLATE, COMPRESSION_DEFLATE, COMPRESSION_PACKBITS,
                                    COMPRESSION_LZMA,          COMPRESSION_ZSTD,    COMPRESSION_WEBP};
@@ -343,6 +343,11 @@ Result<void> check_compression(TIFF* tiff, const TiffPixels& pixels) {
     const bool fits = fax ? pixels.bits == 1 && (pixels.samples == 1 || pixels.is_planar)
                           : !needs_bytes || (pixels.bits == 8 && pixels.type == Type::Unsigned);
     if (!fits) return unusual(name_of(pixels) + ", compressed by " + TIFFFindCODEC(compression)->name);
+    if (compression == COMPRESSION_JPEG) {
+        const auto frame = jpeg_frame(bytes, TIFFGetStrileOffset(tiff, 0));
+        const std::string kind = frame ? unread_jpeg(*frame) : "";
+        if (!kind.empty()) return unusual(name_of(pixels) + ", compressed as " + kind);
+    }
     std::uint16_t predictor = PREDICTOR_NONE;
     TIFFGetField(tiff, TIFFTAG_PREDICTOR, &predictor);
     const bool whole_bytes = pixels.bits % 8 == 0 && pixels.bits != 24;
@@ -519,7 +524,7 @@ Result<RowSource> open_tiff(std::string_view bytes, const ImageHeader& header, T
     if (auto checked = check_structure(tiff, tags); !checked) return tl::unexpected(checked.error());
     auto pixels = read_pixels(tiff, tags, use);
     if (!pixels) return tl::unexpected(pixels.error());
-    if (auto checked = check_compression(tiff, *pixels); !checked) return tl::unexpected(checked.error());
+    if (auto checked = check_compression(tiff, *pixels, bytes); !checked) return tl::unexpected(checked.error());
     if (auto described = blocks->describe(header, *pixels); !described) return tl::unexpected(described.error());
     if (blocks->are_converted(*pixels)) pixels->space = Space::Rgb;
 

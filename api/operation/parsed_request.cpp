@@ -10,7 +10,7 @@
 #include "api/halftone/halftone.h"
 #include "api/halftone/halftone_cost.h"
 #include "api/operation/body_kind.h"
-#include "api/operation/decoding_progress.h"
+#include "api/operation/work_progress.h"
 #include "api/sample/pixel_sample.h"
 #include "api/sample/sample.h"
 #include "api/sample/sample_cost.h"
@@ -95,7 +95,7 @@ public:
     bool accepts_partial() const override { return allows_partial(request_); }
 
     Result<Answer> run(const Decode& decode, const Control& control, Timings& timings, BodySink* sink) const override {
-        DecodingProgress progress(control, cost_within(request_, limits_).seconds);
+        WorkProgress progress(control, cost_within(request_, limits_));
         return compute(request_, limits_, progress.observe(decode), progress.control(), timings, sink);
     }
 

@@ -22,6 +22,8 @@ struct Cost {
     std::size_t memory = 0;  ///< peak memory in bytes, including the answer but not the request
     double seconds = 0;      ///< approximate time on one core of a computer of about 2020
     std::size_t answer = 0;  ///< known lower bound of the size of the answer's body, bytes
+    double before = 0;       ///< part of `seconds` before points move, if it is known
+    double after = 0;        ///< part of `seconds` after points have moved, if it is known
 };
 
 /// Option given as text: a query parameter or a form field.

@@ -31,8 +31,6 @@ constexpr auto kKinds = std::to_array<Kind>({
     {0, "\xff\x0a"sv, "JPEG XL"},
     {4, "jP  "sv, "JPEG 2000"},
     {0, "\xff\x4f\xff\x51"sv, "JPEG 2000"},
-    {0, "II+\0"sv, "BigTIFF"},
-    {0, "MM\0+"sv, "BigTIFF"},
     {0, "8BPS"sv, "a Photoshop file"},
     {0, "%PDF"sv, "PDF"},
     {0, "%!PS"sv, "PostScript"},

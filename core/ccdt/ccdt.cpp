@@ -149,10 +149,10 @@ std::vector<std::vector<Point>> InkConstructions::retouch(std::span<const std::v
 
 void InkConstructions::report() {
     if (!control_.progress) return;
-    Progress progress{0, options_.iterations, 0, round_, settings_ ? settings_->all_rounds() : 0};
+    Progress progress{0, options_.iterations, {}, round_, settings_ ? settings_->all_rounds() : 0};
     for (const Construction* construction : constructions_) {
         progress.iteration = std::max(progress.iteration, construction->iterations());
-        progress.variation = std::max(progress.variation, construction->variation());
+        progress.variation = std::max(progress.variation, std::optional(construction->variation()));
     }
     control_.progress(progress);
 }

@@ -41,19 +41,17 @@ struct Options {
 
 /// State of a running computation.
 struct Progress {
-    int iteration = 0;     ///< iterations completed
-    int iterations = 0;    ///< iterations requested
-    double variation = 0;  ///< capacity variation after the last completed iteration
-    int round = 0;         ///< rounds of the polish completed
-    int rounds = 0;        ///< number of rounds of the polish
-    double before = 0;     ///< share of the work that precedes the start, such as decoding; in [0, 1)
-    bool begun = true;     ///< whether the start is completed; otherwise, `before` is only the share completed so far
+    int iteration = 0;                ///< iterations completed
+    int iterations = 0;               ///< iterations requested
+    std::optional<double> variation;  ///< capacity variation after the last completed iteration; none before the start
+    int round = 0;                    ///< rounds of the polish completed
+    int rounds = 0;                   ///< number of rounds of the polish
+    /// Completed share of a work that also has other steps, such as decoding. None: the sites are the whole work.
+    std::optional<double> share = {};
 
     /// Returns the completed share of the work, in (0, 1) and never decreasing. The share is an estimate: the start
     /// counts as two steps, the end as one, and each iteration and each round as one.
-    double done() const {
-        return begun ? before + (1 - before) * (2.0 + iteration + round) / (3.0 + iterations + rounds) : before;
-    }
+    double done() const { return share.value_or((2.0 + iteration + round) / (3.0 + iterations + rounds)); }
 };
 
 /// Lets a caller stop, observe and parallelise a computation.

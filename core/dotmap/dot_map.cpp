@@ -234,10 +234,10 @@ std::vector<Point> DotMap::pushes(double reach, double push) {
 
 void DotMap::report() {
     if (!control_.progress) return;
-    Progress progress{0, options_.iterations, 0, round_, settings_ ? settings_->all_rounds() : 0};
+    Progress progress{0, options_.iterations, {}, round_, settings_ ? settings_->all_rounds() : 0};
     for (const DotLayer* layer : used_) {
         progress.iteration = std::max(progress.iteration, layer->iterations());
-        progress.variation = std::max(progress.variation, layer->variation());
+        progress.variation = std::max(progress.variation, std::optional(layer->variation()));
     }
     control_.progress(progress);
 }

@@ -121,7 +121,7 @@ void check_range(double value, double min, double max, const char* name) {
 Execution::Execution(const Control& control) : executor_(threads_of(control)), control_{control.stop, {}, &executor_} {
     if (!control.progress) return;
     control_.progress = [call = control.progress](const ccdt::Progress& progress) {
-        call({progress.done(), progress.variation});
+        call({progress.done(), progress.variation.value_or(0)});
     };
 }
 

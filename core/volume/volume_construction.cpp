@@ -198,7 +198,7 @@ private:
     }
     void report() const {
         if (!control_.progress) return;
-        const double variation = trace_.empty() ? 0 : trace_.back();
+        const auto variation = trace_.empty() ? std::nullopt : std::optional(trace_.back());
         const int relaxed = static_cast<int>(trace_.size());
         control_.progress(
             {relaxed, schedule_.relaxations, variation, done_ - relaxed, schedule_.steps() - schedule_.relaxations});

@@ -296,7 +296,8 @@ HttpResult<Response> Computing::compute(const AcceptedPointer& given, bool compr
     if (!product->pipe && !answer.partial)
         cache_.store(cache_key(accepted->name, compressed, cache_owner(incoming.connection)), answer);
     incoming.record.computed = Computed{answer.sites, answer.pixels};
-    std::string doubt = doubt_about(answer, accepted->request.path, product->last.iteration, product->last.variation);
+    std::string doubt =
+        doubt_about(answer, accepted->request.path, product->last.iteration, product->last.variation.value_or(0));
     Response response = response_of(std::move(answer), accepted->name, incoming.record);
     if (product->pipe) {
         response.stream = stream_of(*product, std::move(doubt), incoming, deadline + kGrace + BodyPipe::kPatience);

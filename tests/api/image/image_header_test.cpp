@@ -155,6 +155,19 @@ TEST(ImageHeader, FindsTheFrameOfAJpegAfterOtherSegments) {
     EXPECT_EQ(header->width, 24U);
 }
 
+TEST(ImageHeader, NamesJpegsThatTheDecoderDoesNotRead) {
+    const std::string kSize("\x00\x08\x00\x08\x01\x01\x11\x00", 8);
+    const auto refusal = [&](char marker, char bits) {
+        const std::string file = std::string("\xff\xd8\xff") + marker + std::string("\x00\x0b", 2) + bits + kSize;
+        const auto header = read_image_header(file, kMaxPixels);
+        return header ? "" : header.error().message;
+    };
+    for (const char marker : {'\xc0', '\xc1', '\xc2', '\xc9', '\xca'}) EXPECT_EQ(refusal(marker, 8), "");
+    for (const char marker : {'\xc3', '\xc5', '\xcb', '\xcf', '\xf7'})
+        EXPECT_TRUE(refusal(marker, 8).ends_with("a JPEG with lossless or hierarchical coding")) << refusal(marker, 8);
+    EXPECT_TRUE(refusal('\xc1', 12).ends_with("a JPEG with 12 bits per channel")) << refusal('\xc1', 12);
+}
+
 TEST(ImageHeader, RefusesJpegsWithTooManyScans) {
     const std::string scan(
         "\xff\xda\x00\x02"

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "api/image/image_codec.h"
+#include "api/image/image_header.h"
 
 namespace ccdt::api {
 namespace {
@@ -42,13 +43,14 @@ struct Kind {
     std::array<std::uint16_t, 2> subsampling = {1, 1};
     std::function<void(TIFF*)> tags = {};  ///< sets more tags
     int strip = 8;                         ///< rows of a strip
+    bool is_big = false;                   ///< whether the file is a BigTIFF
 
     std::string name() const {
         return "photometric " + std::to_string(photometric) + " bits " + std::to_string(bits) + " format " +
                std::to_string(format) + " compression " + std::to_string(compression) + (is_planar ? " planar" : "") +
                (tile > 0 ? " tiled" : "") + " extras " + std::to_string(extras.size()) + " predictor " +
-               std::to_string(predictor) + (is_big_endian ? " big-endian" : "") + " orientation " +
-               std::to_string(orientation) + " chroma " + std::to_string(subsampling[0]) +
+               std::to_string(predictor) + (is_big ? " BigTIFF" : "") + (is_big_endian ? " big-endian" : "") +
+               " orientation " + std::to_string(orientation) + " chroma " + std::to_string(subsampling[0]) +
                std::to_string(subsampling[1]);
     }
 
@@ -69,7 +71,7 @@ std::string write_file(const Kind& kind, const std::function<bool(TIFF*)>& write
     Output output;
     TIFFSetWarningHandler(nullptr);
     TIFF* const tiff = TIFFClientOpen(
-        "", kind.is_big_endian ? "wb" : "wl", &output,
+        "", (std::string(kind.is_big_endian ? "wb" : "wl") + (kind.is_big ? "8" : "4")).c_str(), &output,
         [](thandle_t handle, void* target, tmsize_t size) -> tmsize_t {
             Output& file = *static_cast<Output*>(handle);
             return static_cast<tmsize_t>(
@@ -414,6 +416,21 @@ TEST(TiffReader, ReadsFloatsOfEverySizeInEveryLayout) {
     }
 }
 
+TEST(TiffReader, ReadsBigTiffs) {
+    for (const auto photometric : {PHOTOMETRIC_MINISBLACK, PHOTOMETRIC_PALETTE, PHOTOMETRIC_RGB}) {
+        for_each_layout({.photometric = static_cast<std::uint16_t>(photometric), .is_big = true},
+                        [](const Kind& kind) { expect_scene(kind); });
+    }
+    for (const bool is_big_endian : {false, true}) {
+        const Kind kind{.is_big_endian = is_big_endian, .is_big = true};
+        const std::string pages = write_file(kind, [&](TIFF* tiff) {
+            const auto write_page = [&] { return write_tags(tiff, kind) && write_blocks(tiff, kind); };
+            return write_page() && TIFFWriteDirectory(tiff) != 0 && write_page();
+        });
+        EXPECT_EQ(read_image_header(pages, kMaxPixels)->frames, 2U);
+    }
+}
+
 TEST(TiffReader, ReadsPalettesAndLab) {
     for (const int bits : {1, 2, 4, 8, 16})
         for_each_layout({.photometric = PHOTOMETRIC_PALETTE, .bits = bits},
@@ -647,6 +664,9 @@ TEST(TiffReader, NamesKindsThatItDoesNotRead) {
                                                             : grey,
                        TIFFTAG_COMPRESSION, compression),
             words);
+    std::string lossless = make_tiff({.compression = COMPRESSION_JPEG});
+    lossless[lossless.find("\xff\xc0") + 1] = '\xc3';
+    expect_refused(lossless, "8-bit grey, compressed as a JPEG with lossless or hierarchical coding");
     expect_refused(make_tiff({.tags = [](TIFF* tiff) { TIFFSetField(tiff, TIFFTAG_IMAGEDEPTH, 2); }}), "dimensions");
     expect_refused(make_tiff({.tags =
                                   [](TIFF* tiff) {
