@@ -9,6 +9,7 @@
 #include "core/ccdt/border.h"
 #include "core/ccdt/fixed_choice.h"
 #include "core/ccdt/narrow_places.h"
+#include "core/ccdt/narrow_rows.h"
 #include "core/ccdt/placement.h"
 #include "core/ccdt/resettlement.h"
 #include "core/mesh/flips.h"

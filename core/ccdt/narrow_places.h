@@ -8,14 +8,8 @@
 #include "core/ccdt/capacity_integral.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
-#include "core/mesh/triangulation.h"
 
 namespace ccdt {
-
-/// Whether several sites lie where the domain is narrower than their spacing: the border is next to such a site on two
-/// opposite sides. O(sites).
-/// @param mesh  trimmed, not of a torus
-bool has_narrow_places(const Triangulation& mesh);
 
 /// Evens out sites where the domain is narrower than their spacing. There, the sites form a row, in which triangles of
 /// equal capacity do not fix the distances.

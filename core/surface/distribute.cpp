@@ -7,12 +7,14 @@
 #include <optional>
 #include <utility>
 
+#include "core/ccdt/narrow_rows.h"
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/polish/cell_list.h"
 #include "core/polish/schedule.h"
 #include "core/polish/settings.h"
 #include "core/surface/crease_vertices.h"
 #include "core/surface/initial_sites.h"
+#include "core/surface/narrow_strips.h"
 #include "core/surface/site_polish.h"
 #include "core/surface/site_relaxation.h"
 #include "core/surface/surface_triangulation.h"
@@ -64,6 +66,8 @@ public:
             mesh_->restore_delaunay(control_.stop);
             result_.polished = relaxation.variation();
         }
+        if (options_.iterations > 0 && !stopping() && even_out_narrow_sites())
+            (result_.polished ? *result_.polished : result_.trace.back()) = relaxation.variation();
         result_.stopped = stopping();
         collect();
         return std::move(result_);
@@ -84,10 +88,29 @@ private:
         auto sites = without_nearest(initial_sites(surface_, density_, shares, options_.seed), fixed);
         sites.insert(sites.end(), fixed.begin(), fixed.end());
         if (stopping()) return;
+        mesh_.emplace(triangulated(std::move(sites), fixed.size()));
+    }
+
+    SurfaceTriangulation triangulated(std::vector<SurfacePoint> sites, std::size_t fixed) const {
         const auto creases = choose_crease_vertices(surface_, spacings_at_vertices(), options_.sites);
-        mesh_.emplace(
-            surface_, std::move(sites), fixed.size(), [this](const SurfacePoint& p) { return spacing(p, capacity_); },
-            creases, *control_.executor, control_.stop);
+        return {
+            surface_, std::move(sites),   fixed,        [this](const SurfacePoint& p) { return spacing(p, capacity_); },
+            creases,  *control_.executor, control_.stop};
+    }
+
+    /// Evens out the sites where the surface is narrower than their spacing, and triangulates all sites anew.
+    /// @returns  whether any site moved
+    bool even_out_narrow_sites() {
+        if (!options_.fixed.empty() || !has_narrow_places(*mesh_)) return false;
+        std::vector<SurfacePoint> sites;
+        for (std::uint32_t v = 0; v < options_.sites; ++v) sites.push_back(mesh_->on_surface(v));
+        if (!even_out_narrow_strips(surface_, density_, capacity_, spacings_at_vertices(), sites, *control_.executor,
+                                    control_.stop))
+            return false;
+        SurfaceTriangulation mesh = triangulated(std::move(sites), 0);
+        if (stopping()) return false;
+        *mesh_ = std::move(mesh);
+        return true;
     }
 
     double spacing(const SurfacePoint& point, double capacity) const {

@@ -18,7 +18,25 @@ double squared(Point3 p) {
     return dot(p, p);
 }
 
-/// Returns the barycentric coordinates of the point of a triangle that is nearest to p.
+/// Returns orthogonal axes: along the longest edge of a triangle, across it, and along the normal.
+std::array<Point3, 3> axes_of(const std::array<Point3, 3>& triangle) {
+    const auto edge = [&](std::size_t k) { return triangle[(k + 1) % 3] - triangle[k]; };
+    std::size_t longest = 0;
+    for (std::size_t k = 1; k < 3; ++k) {
+        if (squared(edge(k)) > squared(edge(longest))) longest = k;
+    }
+    const auto unit = [](Point3 p) { return 1 / length(p) * p; };
+    const Point3 axis = unit(edge(longest));
+    const auto across = [axis](Point3 p) { return p - dot(p, axis) * axis; };
+    constexpr double kLeast = 1e-6;  // rounding would turn shorter vectors
+    Point3 side = across(unit(edge((longest + 1) % 3)));
+    if (length(side) < kLeast) side = across(std::abs(axis.x) < 0.5 ? Point3{1, 0, 0} : Point3{0, 1, 0});
+    side = unit(side);
+    return {axis, side, cross(axis, side)};
+}
+
+}  // namespace
+
 std::array<double, 3> nearest_weights(Point3 p, const std::array<Point3, 3>& triangle) {
     const Point3 u = triangle[1] - triangle[0], v = triangle[2] - triangle[0], n = cross(u, v);
     const double length = std::max(squared(u), squared(v)), area = squared(n);
@@ -43,25 +61,6 @@ std::array<double, 3> nearest_weights(Point3 p, const std::array<Point3, 3>& tri
     }
     return weights;
 }
-
-/// Returns orthogonal axes: along the longest edge of a triangle, across it, and along the normal.
-std::array<Point3, 3> axes_of(const std::array<Point3, 3>& triangle) {
-    const auto edge = [&](std::size_t k) { return triangle[(k + 1) % 3] - triangle[k]; };
-    std::size_t longest = 0;
-    for (std::size_t k = 1; k < 3; ++k) {
-        if (squared(edge(k)) > squared(edge(longest))) longest = k;
-    }
-    const auto unit = [](Point3 p) { return 1 / length(p) * p; };
-    const Point3 axis = unit(edge(longest));
-    const auto across = [axis](Point3 p) { return p - dot(p, axis) * axis; };
-    constexpr double kLeast = 1e-6;  // rounding would turn shorter vectors
-    Point3 side = across(unit(edge((longest + 1) % 3)));
-    if (length(side) < kLeast) side = across(std::abs(axis.x) < 0.5 ? Point3{1, 0, 0} : Point3{0, 1, 0});
-    side = unit(side);
-    return {axis, side, cross(axis, side)};
-}
-
-}  // namespace
 
 Point3 FaceTree::Node::along_axes(Point3 p) const {
     const auto coordinate = [p](const auto& axis) { return axis[0] * p.x + axis[1] * p.y + axis[2] * p.z; };

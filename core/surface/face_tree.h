@@ -12,6 +12,9 @@
 
 namespace ccdt {
 
+/// Returns the barycentric coordinates of the point of a triangle that is nearest to p.
+std::array<double, 3> nearest_weights(Point3 p, const std::array<Point3, 3>& triangle);
+
 /// Finds nearest points of triangles, and triangles on lines, by a tree of boxes. The axes of each box are those of the
 /// longest triangle inside, so that boxes of long thin triangles are narrow whatever their direction.
 ///

@@ -68,6 +68,21 @@ bool SitePolish::keep_apart(std::uint32_t a, std::uint32_t b) const {
     return dot(mesh_.face_normal(a), mesh_.face_normal(b)) >= kLeastCosine;
 }
 
+/// Whether two sites lie on different sheets, one above the other, that are nearly parallel.
+bool SitePolish::are_on_parallel_sheets(std::uint32_t a, std::uint32_t b) const {
+    constexpr double kLeastCosine = 0.9;
+    constexpr double kMostAside = 0.2;  // of the distance; more if the line along the surface ends at a border
+    const Surface& surface = mesh_.surface();
+    const SurfacePoint &from = mesh_.on_surface(a), &to = mesh_.on_surface(b);
+    if (surface.component(from.face) == surface.component(to.face)) return false;
+    const Point3 normal = mesh_.face_normal(b);
+    if (dot(mesh_.face_normal(a), normal) < kLeastCosine) return false;
+    const Point3 straight = mesh_.point(b) - mesh_.point(a), flat = straight - dot(straight, normal) * normal;
+    const Point3 apart = mesh_.point(b) - surface.place(surface.trace(from, flat));
+    const Point3 aside = apart - dot(apart, normal) * normal;
+    return dot(aside, aside) <= kMostAside * kMostAside * dot(straight, straight);
+}
+
 void SitePolish::push(const Push& push) {
     measure_spacings();
     const auto pushed = [&](std::uint32_t v, std::uint32_t other, Point3 toward, double reach) {
@@ -141,7 +156,8 @@ void SitePolish::apply() {
 }
 
 bool SitePolish::is_any_nearer(double least) {
-    constexpr std::size_t kMostPairs = 16;  // limit for each site, because stacked sheets could have any number
+    constexpr std::size_t kMostPairs = 16;   // limits for each site, because stacked sheets could have any number
+    constexpr std::size_t kMostSheets = 64;  // ignored pairs
     constexpr int kMostFailures = 12;
     constexpr double kRounding = 1e-12;
     measure_spacings();
@@ -155,12 +171,13 @@ bool SitePolish::is_any_nearer(double least) {
         for (auto v = static_cast<std::uint32_t>(begin); v < end && !stop_.stop_requested(); ++v) {
             const Point3 normal = mesh_.face_normal(v);
             const double longest = reach * spacings_[v], limit = (1 + kRounding) * longest * longest;
-            std::size_t pairs = 0;
+            std::size_t pairs = 0, sheets = 0;
             cells_->for_near(places[v], reach * spacings_[v], [&](Point3, std::uint32_t other) {
                 const Point3 apart = places[v] - places[other];
                 if (other == v || dot(apart, apart) > limit) return true;
                 const double distance = 2 * length(apart) / (spacings_[v] + spacings_[other]);
                 if (distance >= reach) return true;
+                if (are_on_parallel_sheets(v, other)) return ++sheets < kMostSheets;
                 // The site with the larger spacing, and so with the longer reach, lists the pair.
                 const bool lists = std::pair(spacings_[v], v) > std::pair(spacings_[other], other);
                 const auto [a, b] = std::minmax(v, other);

@@ -41,7 +41,8 @@ public:
     void restore() { mesh_.restore_delaunay(stop_); }
     /// Whether any two sites are nearer to each other than `least`, relative to the hexagonal distance, and further
     /// pushes are useful. They are not if twelve successive calls since the last removal of waves have not found fewer
-    /// such pairs than before. Also finds sites that no edge joins, unless they are on different sides of a thin plate.
+    /// such pairs than before. Also finds sites that no edge joins, unless they are on different sides of a thin plate
+    /// or on parallel sheets that are different components.
     /// The next pushes move such sites apart, too.
     bool is_any_nearer(double least);
     /// Relocates one site of each pair that is_any_nearer() found and that pushes do not separate: the distance is much
@@ -60,6 +61,7 @@ private:
 
     std::vector<std::uint32_t> wide_triangles(std::uint32_t site) const;
     bool keep_apart(std::uint32_t a, std::uint32_t b) const;
+    bool are_on_parallel_sheets(std::uint32_t a, std::uint32_t b) const;
     void measure_spacings();
     void apply();
 

@@ -151,7 +151,19 @@ SurfaceTriangulation::SurfaceTriangulation(const Surface& surface, std::vector<S
     }
     copy_faces();
     insert_sites(split_creases(creases), stop);
-    if (stop.stop_requested()) return;
+    if (!stop.stop_requested()) simplify(creases, stop);
+}
+
+SurfaceTriangulation::SurfaceTriangulation(const Surface& surface, const CreaseVertices& creases, Executor& executor,
+                                           const std::stop_token& stop)
+    : surface_(&surface), executor_(&executor), sites_(0), blocks_(0) {
+    copy_faces();
+    bisect_creases(creases, stop);
+    if (!stop.stop_requested()) simplify(creases, stop);
+}
+
+/// Makes the triangulation Delaunay and removes the vertices of the surface that are not needed.
+void SurfaceTriangulation::simplify(const CreaseVertices& creases, const std::stop_token& stop) {
     restore_delaunay(stop);
     remove_corners(creases, stop);
     if (stop.stop_requested()) return;
@@ -191,6 +203,53 @@ void SurfaceTriangulation::locate(const SurfacePoint& point) {
     moved_.push_back(1);
 }
 
+/// Appends an added vertex and splits an edge there.
+/// @returns  TriangleLinks::split()
+std::uint32_t SurfaceTriangulation::split(const CreaseVertices::OnEdge& at, std::uint32_t edge) {
+    const auto vertex = static_cast<std::uint32_t>(points_.size());
+    SurfacePoint point{at.edge / 4, {0, 0, 0}};
+    point.weights[at.edge % 4] = 1 - at.share;
+    point.weights[(at.edge % 4 + 1) % 3] = at.share;
+    points_.push_back(point);
+    locate(point);
+    links_.add_vertices(1);
+    return links_.split(vertex, edge);
+}
+
+/// Splits the edges of borders and creases at the added vertices: each edge in the middle of its vertices, then each
+/// half, with flips in between. If all vertices of a long edge were joined to the opposite corner, the number of flips
+/// would be quadratic.
+void SurfaceTriangulation::bisect_creases(const CreaseVertices& creases, const std::stop_token& stop) {
+    struct Part {
+        std::uint32_t from, to;  // its ends
+        std::size_t begin, end;  // added vertices between them
+    };
+    const auto& added = creases.added;
+    std::vector<Part> parts, halves;
+    for (std::size_t begin = 0, end = 0; begin < added.size(); begin = end) {
+        const std::uint32_t edge = added[begin].edge;
+        while (end < added.size() && added[end].edge == edge) ++end;
+        parts.push_back({links_.origin(edge), links_.target(edge), begin, end});
+    }
+    for (; !parts.empty() && !stop.stop_requested(); parts.swap(halves)) {
+        halves.clear();
+        for (const auto& [from, to, begin, end] : parts) {
+            const std::size_t middle = begin + (end - begin) / 2;
+            const auto vertex = static_cast<std::uint32_t>(points_.size());
+            std::uint32_t edge = kNone;
+            // On a border, only one of the ends may have a half-edge to the other one.
+            links_.for_edges(from, [&, to = to](std::uint32_t h) {
+                if (links_.target(h) == to) edge = h;
+                if (links_.apex(h) == to && edge == kNone) edge = Links::previous(h);
+            });
+            split(added[middle], edge);
+            if (begin < middle) halves.push_back({from, vertex, begin, middle});
+            if (middle + 1 < end) halves.push_back({vertex, to, middle + 1, end});
+        }
+        restore_delaunay(stop);
+    }
+}
+
 /// Splits the edges of borders and creases at the added vertices.
 /// @returns  [triangles] face of each triangle
 std::vector<std::uint32_t> SurfaceTriangulation::split_creases(const CreaseVertices& creases) {
@@ -200,15 +259,8 @@ std::vector<std::uint32_t> SurfaceTriangulation::split_creases(const CreaseVerti
     // a face are split in the order 2, 1, 0. The first split of edge 2 gives edge 0 another number.
     std::uint32_t renumbered = kNone, number = kNone;
     for (auto each = creases.added.rbegin(); each != creases.added.rend(); ++each) {
-        const auto vertex = static_cast<std::uint32_t>(points_.size());
         const std::uint32_t edge = each->edge == renumbered ? number : each->edge, twin = links_.twin(edge);
-        SurfacePoint point{each->edge / 4, {0, 0, 0}};
-        point.weights[each->edge % 4] = 1 - each->share;
-        point.weights[(each->edge % 4 + 1) % 3] = each->share;
-        points_.push_back(point);
-        locate(point);
-        links_.add_vertices(1);
-        const std::uint32_t after = links_.split(vertex, edge);
+        const std::uint32_t after = split(*each, edge);
         if (each->edge % 4 == 2 && renumbered != Links::next(each->edge)) {
             renumbered = Links::next(each->edge);
             number = after;

@@ -39,6 +39,10 @@ public:
     SurfaceTriangulation(const Surface& surface, std::vector<SurfacePoint> sites, std::size_t fixed,
                          const std::function<double(const SurfacePoint&)>& spacing, const CreaseVertices& creases,
                          Executor& executor, const std::stop_token& stop = {});
+    /// Triangulates the vertices along borders and creases, without sites. The parameters are as above.
+    /// O(n log n) for n = vertices + faces.
+    SurfaceTriangulation(const Surface& surface, const CreaseVertices& creases, Executor& executor,
+                         const std::stop_token& stop = {});
 
     const Surface& surface() const { return *surface_; }
     Executor& executor() const { return *executor_; }
@@ -133,7 +137,10 @@ public:
 private:
     std::optional<SurfacePoint> middle(std::uint32_t triangle) const;
     void copy_faces();
+    std::uint32_t split(const CreaseVertices::OnEdge& at, std::uint32_t edge);
     std::vector<std::uint32_t> split_creases(const CreaseVertices& creases);
+    void bisect_creases(const CreaseVertices& creases, const std::stop_token& stop);
+    void simplify(const CreaseVertices& creases, const std::stop_token& stop);
     void insert_sites(std::vector<std::uint32_t> face_of, const std::stop_token& stop);
     void remove_corners(const CreaseVertices& creases, const std::stop_token& stop);
     bool remove(std::uint32_t vertex);

@@ -157,7 +157,10 @@ TEST(NarrowPlaces, FollowTheDensity) {
 
 TEST(NarrowPlaces, AreFoundInStripsOnly) {
     const auto narrow = [](const Domain& domain, std::size_t sites) {
-        Distribution result = run(domain, Quality::Draft, sites);
+        Options options;
+        options.sites = sites;
+        options.iterations = 0;  // initial sites are uneven
+        Distribution result = distribute(domain, Density::uniform(), options).value();
         for (Point& p : result.points) p = domain.to_unit(p);
         const auto before = result.points;
         const CapacityIntegral capacity(domain, Density::uniform());

@@ -293,6 +293,34 @@ TEST(DistributeOnSurface, SeparatesSitesWhereSurfacesIntersect) {
     }
 }
 
+TEST(DistributeOnSurface, SpreadsSitesOnEachOfParallelSheets) {
+    const TriangleSoup sheet = square_surface(8);
+    TriangleSoup all = sheet;
+    constexpr int kSheets = 3;
+    for (int i = 1; i < kSheets; ++i) {
+        TriangleSoup other = sheet;
+        for (Point3& p : other.vertices) p.z += 1e-3 * i;
+        all = joined(all, other);
+    }
+    const Surface surface = surface_of(all);
+    for (std::uint64_t seed = 0; seed < 5; ++seed) {
+        const auto dots = distributed(surface, {.sites = 500 * kSheets, .seed = seed});
+        std::array<std::vector<Point3>, kSheets> points;
+        for (const Point3& p : places(surface, dots))
+            points[static_cast<std::size_t>(std::lround(1e3 * p.z))].push_back(p);
+        for (const auto& own : points) {
+            ASSERT_EQ(own.size(), 500U);
+            double least = 1e9;
+            for (const Point3& p : own) {
+                for (const Point3& q : own) {
+                    if (&p != &q) least = std::min(least, length(p - q));
+                }
+            }
+            EXPECT_GT(least / hexagonal_spacing(500), 0.7) << seed;
+        }
+    }
+}
+
 TEST(DistributeOnSurface, KeepsHalfARowFromABorder) {
     const Surface surface = surface_of(square_surface(1));
     const auto dots = distributed(surface, {.sites = 1000, .keep_mesh = true});

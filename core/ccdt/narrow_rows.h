@@ -1,0 +1,326 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <queue>
+#include <span>
+#include <stop_token>
+#include <utility>
+#include <vector>
+
+#include "core/geometry/point.h"
+#include "core/geometry/point3.h"
+#include "core/geometry/predicates.h"
+
+// Rows of sites where a domain in the plane, or a surface, is narrower than the spacing. A mesh is a Triangulation or a
+// SurfaceTriangulation. A place is a Point or a Point3.
+namespace ccdt {
+
+inline constexpr std::size_t kFewestInRow = 3;  ///< least number of sites of a row
+
+inline bool is_in_triangle(const std::array<Point, 3>& corners, Point p) {
+    return orientation(corners[0], corners[1], p) >= 0 && orientation(corners[1], corners[2], p) >= 0 &&
+           orientation(corners[2], corners[0], p) >= 0;
+}
+/// Whether the projection of a point to the plane of a triangle lies in the triangle.
+inline bool is_in_triangle(const std::array<Point3, 3>& corners, Point3 p) {
+    const auto& [a, b, c] = corners;
+    const Point3 normal = cross(b - a, c - a);
+    return dot(cross(b - a, p - a), normal) >= 0 && dot(cross(c - b, p - b), normal) >= 0 &&
+           dot(cross(a - c, p - c), normal) >= 0;
+}
+
+/// A triangle of a narrow place.
+template <class Place>
+struct NarrowPiece {
+    std::array<Place, 3> corners;
+    Place centre;
+    double area = 0;
+    double sites = 0;                                              ///< capacity, in sites
+    std::array<std::uint32_t, 3> neighbours{kNone, kNone, kNone};  ///< across its edges
+
+    static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+    bool contains(Place p) const { return is_in_triangle(corners, p); }
+};
+
+/// Whether several sites lie where the domain is narrower than their spacing: the border is next to such a site on two
+/// opposite sides. O(sites).
+/// @param mesh  trimmed, not of a torus
+template <class Mesh>
+bool has_narrow_places(const Mesh& mesh) {
+    std::size_t narrow = 0;
+    for (std::uint32_t site = 0; site < mesh.site_count(); ++site) {
+        int sites = 0, borders = 0, changes = 0;
+        bool first = false, last = false;
+        mesh.for_edges(site, [&](std::uint32_t h) {
+            const bool is_site = mesh.is_site(mesh.target(h));
+            if (sites + borders == 0)
+                first = is_site;
+            else if (is_site != last)
+                ++changes;
+            last = is_site;
+            ++(is_site ? sites : borders);
+        });
+        if (first != last) ++changes;
+        if (sites == 0 || changes >= 4) ++narrow;
+    }
+    return narrow >= kFewestInRow;
+}
+
+/// Returns the triangles of a border's mesh at which the domain is narrower than the spacing. The width of the domain
+/// at a triangle is the least height over an edge on the border, or if there is none, the longest edge.
+/// @param mesh       its vertices lie on the border
+/// @param sites_in   returns the capacity of a triangle, in sites; 0 for triangles that do not count
+/// @param on_border  returns whether an edge is on the border
+template <class Mesh, class SitesIn, class OnBorder>
+auto find_narrow_pieces(const Mesh& mesh, SitesIn&& sites_in, OnBorder&& on_border) {
+    constexpr double kNarrow = 1.1;  // largest width, in spacings
+    constexpr double kEmpty = 1e-9;  // capacity that may be a rounding error, in sites
+    std::vector<std::uint32_t> numbers(mesh.triangle_count(), Mesh::kNone);
+    using Place = decltype(mesh.along(0));
+    std::vector<NarrowPiece<Place>> pieces;
+    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        const double sites = sites_in(t), doubled_area = mesh.doubled_area(t);
+        if (!(sites >= kEmpty)) continue;
+        double width = std::numeric_limits<double>::infinity(), longest = 0;
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            const std::uint32_t edge = Mesh::edge(t, i);
+            const Place along = mesh.along(edge);
+            const double length = std::sqrt(dot(along, along));
+            if (on_border(edge)) width = std::min(width, doubled_area / length);
+            longest = std::max(longest, length);
+        }
+        if (std::min(width, longest) >= kNarrow * std::sqrt(doubled_area / 2 / sites)) continue;
+        const auto corners = mesh.places(t);
+        numbers[t] = static_cast<std::uint32_t>(pieces.size());
+        pieces.push_back({corners, 1.0 / 3 * (corners[0] + corners[1] + corners[2]), doubled_area / 2, sites});
+    }
+    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        for (std::uint32_t i = 0; numbers[t] != Mesh::kNone && i < 3; ++i) {
+            const std::uint32_t edge = Mesh::edge(t, i);
+            if (on_border(edge)) continue;
+            pieces[numbers[t]].neighbours[i] = numbers[Mesh::triangle_of(mesh.twin(edge))];
+        }
+    }
+    return pieces;
+}
+
+/// A connected set of narrow pieces.
+template <class Place>
+class NarrowStrip {
+public:
+    /// @param walk  the pieces, in the order of a walk in depth from one end
+    NarrowStrip(const std::vector<NarrowPiece<Place>>& pieces, std::vector<std::uint32_t> walk)
+        : pieces_(pieces), walk_(std::move(walk)) {
+        for (const std::uint32_t piece : walk_) all_ += pieces_[piece].sites;
+    }
+
+    /// Capacity, in sites.
+    double all() const { return all_; }
+    /// Mean spacing of sites.
+    double spacing() const {
+        double area = 0;
+        for (const std::uint32_t piece : walk_) area += pieces_[piece].area;
+        return std::sqrt(area / all_);
+    }
+    std::span<const std::uint32_t> walk() const { return walk_; }
+
+    /// Returns positions for sites, in the order of the walk.
+    /// @param owner, distance  scratch memory [pieces]
+    std::vector<Place> distribute(std::size_t sites, std::vector<std::uint32_t>& owner,
+                                  std::vector<double>& distance) const {
+        constexpr int kRounds = 24;
+        // Equal steps along a path need no further rounds, in which sites would move away from sharp bends.
+        const bool is_path = std::ranges::all_of(walk_, [&](std::uint32_t piece) {
+            return std::ranges::count(pieces_[piece].neighbours, NarrowPiece<Place>::kNone) > 0;
+        });
+        std::vector<std::uint32_t> at = equal_steps(sites);
+        std::vector<Place> centres(sites);
+        for (int round = 0; round < kRounds; ++round) {
+            find_owners(at, owner, distance);
+            std::vector<double> held(sites, 0);
+            std::ranges::fill(centres, Place{});
+            for (const std::uint32_t piece : walk_) {
+                const std::uint32_t site = owner[piece];
+                held[site] += pieces_[piece].sites;
+                centres[site] = centres[site] + pieces_[piece].sites * pieces_[piece].centre;
+            }
+            for (std::size_t site = 0; site < sites; ++site) {
+                centres[site] = held[site] > 0 ? 1 / held[site] * centres[site] : pieces_[at[site]].centre;
+            }
+            if (is_path || !move_to(centres, owner, at)) break;
+        }
+        for (std::size_t site = 0; site < sites; ++site) {
+            if (!pieces_[at[site]].contains(centres[site])) centres[site] = pieces_[at[site]].centre;
+        }
+        return centres;
+    }
+
+private:
+    /// Returns the pieces in which a walk through the strip has completed equal steps of capacity.
+    std::vector<std::uint32_t> equal_steps(std::size_t sites) const {
+        std::vector<std::uint32_t> at;
+        const double step = all_ / static_cast<double>(sites);
+        double done = 0;
+        for (const std::uint32_t piece : walk_) {
+            done += pieces_[piece].sites;
+            if (at.size() < sites && done >= (static_cast<double>(at.size()) + 0.5) * step) at.push_back(piece);
+        }
+        while (at.size() < sites) at.push_back(walk_[at.size() % walk_.size()]);
+        return at;
+    }
+
+    /// Assigns each piece to the nearest site. The distance of neighbouring pieces is the mean of their capacities.
+    void find_owners(std::span<const std::uint32_t> at, std::vector<std::uint32_t>& owner,
+                     std::vector<double>& distance) const {
+        using Entry = std::pair<double, std::uint32_t>;  // distance, piece
+        std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+        for (const std::uint32_t piece : walk_) distance[piece] = std::numeric_limits<double>::infinity();
+        for (std::uint32_t site = 0; site < at.size(); ++site) {
+            owner[at[site]] = site;
+            distance[at[site]] = 0;
+            queue.emplace(0, at[site]);
+        }
+        while (!queue.empty()) {
+            const auto [length, piece] = queue.top();
+            queue.pop();
+            if (length > distance[piece]) continue;
+            for (const std::uint32_t next : pieces_[piece].neighbours) {
+                if (next == NarrowPiece<Place>::kNone) continue;
+                const double longer = length + (pieces_[piece].sites + pieces_[next].sites) / 2;
+                if (longer >= distance[next]) continue;
+                distance[next] = longer;
+                owner[next] = owner[piece];
+                queue.emplace(longer, next);
+            }
+        }
+    }
+
+    /// Moves each site to its piece that is nearest to a place.
+    /// @returns  whether any site moved
+    bool move_to(std::span<const Place> places, const std::vector<std::uint32_t>& owner,
+                 std::vector<std::uint32_t>& at) const {
+        const std::vector<std::uint32_t> before = at;
+        std::vector<double> least(at.size(), std::numeric_limits<double>::infinity());
+        for (const std::uint32_t piece : walk_) {
+            const std::uint32_t site = owner[piece];
+            const Place apart = pieces_[piece].centre - places[site];
+            const double squared = pieces_[piece].contains(places[site]) ? -1 : dot(apart, apart);
+            if (squared >= least[site]) continue;
+            least[site] = squared;
+            at[site] = piece;
+        }
+        return at != before;
+    }
+
+    const std::vector<NarrowPiece<Place>>& pieces_;
+    std::vector<std::uint32_t> walk_;
+    double all_ = 0;
+};
+
+/// Returns the pieces that are connected with a piece, in the order of a walk in depth that begins there.
+template <class Place>
+std::vector<std::uint32_t> walk_from(const std::vector<NarrowPiece<Place>>& pieces, std::uint32_t first,
+                                     std::vector<bool>& reached) {
+    std::vector<std::uint32_t> walk, stack{first};
+    while (!stack.empty()) {
+        const std::uint32_t piece = stack.back();
+        stack.pop_back();
+        if (reached[piece]) continue;
+        reached[piece] = true;
+        walk.push_back(piece);
+        for (const std::uint32_t next : pieces[piece].neighbours) {
+            if (next != NarrowPiece<Place>::kNone) stack.push_back(next);
+        }
+    }
+    return walk;
+}
+
+/// Sites of a strip, and new places for them.
+template <class Place>
+struct NarrowRow {
+    std::vector<std::uint32_t> sites;
+    std::vector<Place> places;
+    double enough = 0;  ///< distance at which neighbours do not crowd
+};
+
+/// Returns a measure of how near the sites of a row are to each other and to other sites.
+/// @param is_apart  see move_rows()
+template <class Place, class Cells, class IsApart>
+double crowding(const NarrowRow<Place>& row, std::span<const Place> places, const Cells& cells,
+                const IsApart& is_apart) {
+    double sum = 0;
+    for (const std::uint32_t site : row.sites) {
+        double least = row.enough * row.enough;
+        cells.for_near(places[site], row.enough, [&](Place p, std::uint32_t i) {
+            const Place way = p - places[site];
+            if (i != site && !is_apart(site, i)) least = std::min(least, dot(way, way));
+        });
+        sum += 1 / least;
+    }
+    return sum;
+}
+
+/// Moves the sites of each row to their new places, unless this would increase their crowding considerably.
+/// @param cells_of  returns the cell list of places
+/// @param is_apart  returns whether two sites cannot crowd each other, however near they are
+/// @returns         whether any site moved
+template <class Place, class CellsOf, class IsApart>
+bool move_rows(std::span<const NarrowRow<Place>> rows, std::span<Place> sites, CellsOf&& cells_of,
+               const IsApart& is_apart) {
+    constexpr double kIncrease = 1.2;  // for example of sites on both sides of a sharp bend
+    const std::vector<Place> before(sites.begin(), sites.end());
+    const auto old_cells = cells_of(std::span<const Place>(before));
+    std::vector<const NarrowRow<Place>*> moved;
+    for (const NarrowRow<Place>& row : rows) {
+        moved.push_back(&row);
+        for (std::size_t i = 0; i < row.sites.size(); ++i) sites[row.sites[i]] = row.places[i];
+    }
+    for (bool reverted = true; reverted;) {
+        const auto cells = cells_of(std::span<const Place>(sites));
+        reverted = std::erase_if(moved, [&](const NarrowRow<Place>* row) {
+                       const double now = crowding<Place>(*row, sites, cells, is_apart);
+                       if (now <= kIncrease * crowding<Place>(*row, before, old_cells, is_apart)) return false;
+                       for (const std::uint32_t site : row->sites) sites[site] = before[site];
+                       return true;
+                   }) > 0;
+    }
+    return !std::ranges::equal(sites, before);
+}
+
+/// Returns the rows of all strips that have several sites.
+/// @param sites_of  returns the sites in the pieces of a walk
+/// @param stop      polled once per strip
+template <class Place, class SitesOf>
+std::vector<NarrowRow<Place>> narrow_rows(const std::vector<NarrowPiece<Place>>& pieces, SitesOf&& sites_of,
+                                          const std::stop_token& stop) {
+    constexpr double kEnough = 0.85;    // in spacings
+    constexpr double kRounding = 1e-3;  // of the capacity of a thin strip, whose coordinates are rounded
+    std::vector<std::uint32_t> owner(pieces.size());
+    std::vector<double> distance(pieces.size());
+    std::vector<bool> tried(pieces.size()), reached(pieces.size());
+    std::vector<NarrowRow<Place>> rows;
+    for (std::uint32_t piece = 0; piece < pieces.size() && !stop.stop_requested(); ++piece) {
+        if (tried[piece]) continue;
+        // The last piece of a walk is at an end of the strip, from which the final walk begins.
+        const std::uint32_t end = walk_from(pieces, piece, tried).back();
+        const NarrowStrip strip(pieces, walk_from(pieces, end, reached));
+        if (strip.all() < kFewestInRow * (1 - kRounding)) continue;
+        NarrowRow<Place> row;
+        row.sites = sites_of(strip.walk());
+        if (row.sites.size() < kFewestInRow) continue;
+        row.enough = kEnough * strip.spacing();
+        row.places = strip.distribute(row.sites.size(), owner, distance);
+        rows.push_back(std::move(row));
+    }
+    return rows;
+}
+
+}  // namespace ccdt
