@@ -30,10 +30,12 @@ Lab solved(const Matrix& a, const Lab& b) {
 /// Minimizes the sum of w (D + tau log w) plus kExact times the squared length of off + the sum of w v, over shares w
 /// with the sum 1.
 ///
-/// The dual problem has three variables, and its maximum is found by Newton's method.
+/// The dual problem has three variables, and its maximum is found by Newton's method. The factor grows to kExact in
+/// steps. A colour outside the gamut has large dual variables, which Newton's method does not reach from 0 within
+/// kMaxSteps, because one share is then nearly 1 at most steps.
 class EntropyFit {
 public:
-    static constexpr double kTau = 150, kExact = 1e6;
+    static constexpr double kTau = 150, kFirst = 10, kExact = 1e6;
 
     /// @param costs   [sets] D
     /// @param places  [sets] v
@@ -41,17 +43,26 @@ public:
         : costs_(costs), places_(places), off_(off), shares_(costs.size()) {}
 
     std::vector<double> minimize() {
+        constexpr double kFactor = 10;
+        Lab dual{};
+        for (; exact_ <= kExact; exact_ *= kFactor) maximize(dual);
+        evaluate(dual);
+        return shares_;
+    }
+
+private:
+    /// Maximizes the dual objective by Newton's method.
+    void maximize(Lab& dual) {
         constexpr int kMaxSteps = 60, kMaxHalvings = 40;
         constexpr double kNear = 1e-9;
-        Lab dual{};
         double value = evaluate(dual);
         for (int step = 0; step < kMaxSteps; ++step) {
             const Lab mean = mean_place();
             Lab slope{};
             Matrix curvature{};
             for (std::size_t r = 0; r < 3; ++r) {
-                slope[r] = off_[r] + mean[r] - dual[r] / (2 * kExact);
-                curvature[r][r] = 1 / (2 * kExact);
+                slope[r] = off_[r] + mean[r] - dual[r] / (2 * exact_);
+                curvature[r][r] = 1 / (2 * exact_);
             }
             for (std::size_t j = 0; j < shares_.size(); ++j) {
                 for (std::size_t r = 0; r < 3; ++r) {
@@ -73,11 +84,8 @@ public:
             dual = next;
             value = there;
         }
-        evaluate(dual);
-        return shares_;
     }
 
-private:
     /// Computes the shares for given dual variables, and returns the dual objective.
     double evaluate(const Lab& dual) {
         double least = std::numeric_limits<double>::infinity(), sum = 0;
@@ -90,7 +98,7 @@ private:
             sum += each;
         }
         for (double& each : shares_) each /= sum;
-        return least - kTau * std::log(sum) + dot(dual, off_) - dot(dual, dual) / (4 * kExact);
+        return least - kTau * std::log(sum) + dot(dual, off_) - dot(dual, dual) / (4 * exact_);
     }
 
     Lab mean_place() const {
@@ -104,6 +112,7 @@ private:
     std::span<const double> costs_;
     std::span<const Lab> places_;
     Lab off_;
+    double exact_ = kFirst;
     std::vector<double> shares_;
 };
 

@@ -74,6 +74,17 @@ test("shows a draft while a slider is held", async () => {
   await looksAsKept(world, world.page.locator("#halftone .canvas-frame"), "halftone-draft");
 });
 
+test("draws the preset of one line with a pen", async () => {
+  await open();
+  const { page } = world;
+  const asked = page.waitForRequest((request) => request.url().includes("format=svg"));
+  await page.getByRole("button", { name: "One line" }).click();
+  const { style, width_mm, dots, sites } = Object.fromEntries(new URL((await asked).url()).searchParams);
+  assert.deepEqual({ style, width_mm, dots, sites }, { style: "path", width_mm: "190", dots: "ink", sites: undefined });
+  await settled(page, "halftone");
+  assert.match(await page.textContent("#halftone .status"), /^one line through the dots/);
+});
+
 test("applies presets to all their fields", async () => {
   await open();
   const { page } = world;

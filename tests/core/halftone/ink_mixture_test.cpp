@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "core/halftone/colour_difference.h"
+#include "core/halftone/tone.h"
 
 namespace ccdt {
 namespace {
@@ -67,18 +68,28 @@ TEST(InkMixture, ChangesLittleWithTheColour) {
     }
 }
 
-TEST(InkMixture, FindsTheNearestColourOutsideTheGamut) {
-    const InkSet blue{{{0, 0.19F, 0.52F}}};
-    const std::vector<unsigned> sets = sets_by_luminance(blue);
-    const InkMixture mixture(blue, sets);
-    const Light wanted{0.8F, 0.3F, 0.1F};
-    const double found = difference(wanted, mixture.light(mixture.solve(wanted)));
-    double least = found;
-    for (int i = 0; i <= 100; ++i) {
-        const float share = static_cast<float>(i) / 100;
-        least = std::min(least, difference(wanted, mixture.light({share, 1 - share})));
+TEST(InkMixture, FindsTheNearestColoursOutsideTheGamut) {
+    const InkSet riso{{kRiso.inks.begin(), kRiso.inks.begin() + 3}};
+    for (const InkSet& inks : {InkSet{{{0, 0.19F, 0.52F}}}, riso}) {
+        const InkMixture mixture(inks, sets_by_luminance(inks));
+        for (int i = 0; i < 343; ++i) {
+            const auto level = [](int step) { return luminance(static_cast<float>(step) / 6); };
+            const Light wanted{level(i % 7), level(i / 7 % 7), level(i / 49)};
+            const double found = difference(wanted, mixture.light(mixture.solve(wanted)));
+            double least = found;
+            for (std::size_t a = 0; a < mixture.count(); ++a) {
+                for (std::size_t b = 0; b < a; ++b) {
+                    for (float share = 0; share < 1.05F; share += 0.1F) {
+                        InkMixture::Shares shares{};
+                        shares[a] = share;
+                        shares[b] = 1 - share;
+                        least = std::min(least, difference(wanted, mixture.light(shares)));
+                    }
+                }
+            }
+            EXPECT_LT(found, least + 0.2) << wanted.red << ' ' << wanted.green << ' ' << wanted.blue;
+        }
     }
-    EXPECT_LT(found, least + 0.2);
 }
 
 }  // namespace
