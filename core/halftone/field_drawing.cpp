@@ -204,15 +204,13 @@ public:
     /// @param start  [cells] threshold before the fit of any channel
     /// @param first  [cells] threshold before the fit of this channel
     /// @param light  [cells] wanted light
-    /// @param near   [cells] mean light of the nearest surroundings
     /// @param most   [cells] upper limit of the threshold; empty: none
     Fit(const CellGrid& cells, const std::vector<float>& spots, const std::vector<float>& start,
-        std::vector<float> first, std::vector<float> light, std::vector<float> near, std::span<const float> most,
-        float least_slope, Executor& executor)
+        std::vector<float> first, std::vector<float> light, std::span<const float> most, float least_slope,
+        Executor& executor)
         : cells_(cells),
           spots_(spots),
           light_(std::move(light)),
-          near_(std::move(near)),
           most_(most),
           threshold_(std::move(first)),
           slope_(start.size()),
@@ -262,10 +260,10 @@ private:
     void move(std::size_t first, const std::vector<float>& change) {
         constexpr float kNothing = 0.0005f;
         float* const threshold = threshold_.data() + first;
-        const float* const near = near_.data() + first;
+        const float* const light = light_.data() + first;
         for (std::size_t i = 0; i < change.size(); ++i) {
-            const float moved = near[i] < kNothing ? kSolid : threshold[i] + change[i];
-            threshold[i] = near[i] > 1 - kNothing ? kBare : moved;
+            const float moved = light[i] < kNothing ? kSolid : threshold[i] + change[i];
+            threshold[i] = light[i] > 1 - kNothing ? kBare : moved;
         }
         if (most_.empty()) return;
         for (std::size_t i = 0; i < change.size(); ++i) threshold[i] = std::min(threshold[i], most_[first + i]);
@@ -286,19 +284,30 @@ private:
 
     CellGrid cells_;
     const std::vector<float>& spots_;
-    std::vector<float> light_, near_;
+    std::vector<float> light_;
     std::span<const float> most_;
     std::vector<float> threshold_, slope_;
     Executor& executor_;
 };
 
 /// Returns the threshold of a channel before the fit [to].
-std::vector<float> start_of(const FieldChannel& channel, const Resampling& resampling, Executor& executor) {
-    constexpr float kLowest = -1, kHighest = 2;
-    std::vector<float> start = resampling(channel.sharp, executor);
-    const auto steep = resampling(channel.steepness, executor);
-    for_pixels(executor, start.size(),
-               [&](std::size_t i) { start[i] = std::clamp(0.5f + (start[i] - 0.5f) * steep[i], kLowest, kHighest); });
+std::vector<float> start_of(const FieldChannel& channel, const CellGrid& to, const Resampling& resampling,
+                            Executor& executor) {
+    const auto columns = static_cast<std::size_t>(to.columns);
+    std::vector<float> start(size_of(to));
+    for_ranges(executor, static_cast<std::size_t>(to.rows), rows_of_task(to.columns),
+               [&](std::size_t begin, std::size_t end) {
+                   std::vector<float> steepness(columns), low(columns), high(columns);
+                   for (std::size_t y = begin; y < end; ++y) {
+                       float* const row = start.data() + y * columns;
+                       resampling.row(channel.sharp, y, row);
+                       resampling.row(channel.steepness, y, steepness.data());
+                       resampling.row(channel.low, y, low.data());
+                       resampling.row(channel.high, y, high.data());
+                       for (std::size_t x = 0; x < columns; ++x)
+                           row[x] = steepened(row[x], steepness[x], low[x], high[x]);
+                   }
+               });
     return start;
 }
 
@@ -308,13 +317,6 @@ std::vector<float> wanted_light(const FieldChannel& channel, const CellGrid& fro
     if (to.columns <= from.columns && to.rows <= from.rows)
         return reduced(channel.light, from.columns, from.rows, to, executor);
     return Resampling(from, to)(channel.light, executor);
-}
-
-/// Returns the mean light of the nearest surroundings of each cell.
-std::vector<float> light_near(const FieldChannel& channel, const CellGrid& cells, const Resampling& resampling,
-                              Executor& executor) {
-    constexpr double kNear = 0.6;  // cells of the picture
-    return resampling(blurred(channel.light, cells.columns, cells.rows, kNear, executor), executor);
 }
 
 /// Some rows of a canvas, with the spot function at their pixels.
@@ -408,7 +410,7 @@ FieldDrawing::FieldDrawing(const FieldPlan& plan, std::span<const Point> sites, 
     ErrorBlur blur(plan, cells_, executor);
     const bool is_drawn = cells_ != canvas;  // whether ink is measured in other pixels than the cells
     for (const FieldChannel& channel : plan.channels) {
-        std::vector<float> start = start_of(channel, resampling, executor);
+        std::vector<float> start = start_of(channel, cells_, resampling, executor);
         std::vector<float> first = start;
         std::span<const float> most;
         if (is_nested_ && !thresholds_.empty()) {
@@ -418,8 +420,8 @@ FieldDrawing::FieldDrawing(const FieldPlan& plan, std::span<const Point> sites, 
                 if (most[i] < kBare) first[i] = std::min(first[i] + most[i] - starts_.back()[i], most[i]);
             });
         }
-        Fit fit(cells_, spots_, start, std::move(first), wanted_light(channel, plan.cells, cells_, executor),
-                light_near(channel, plan.cells, resampling, executor), most, least_slope(cells_.columns), executor);
+        Fit fit(cells_, spots_, start, std::move(first), wanted_light(channel, plan.cells, cells_, executor), most,
+                least_slope(cells_.columns), executor);
         for (int round = 0; round < kRounds && !stop.stop_requested(); ++round) {
             const float gain = std::lerp(kFirstGain, kLastGain, static_cast<float>(round) / (kRounds - 1));
             fit.round({}, blur, kReach, gain);
