@@ -81,7 +81,7 @@ double planned_cells(const HalftoneRequest& request, double sites) {
 
 /// Estimates the cost of planning a field.
 Estimate field_plan_cost(const HalftoneRequest& request, double sites) {
-    constexpr Estimate kCell{12, 0}, kChannel{28, 0.12 * kMicrosecond}, kTables{8e6, 0.6};
+    constexpr Estimate kCell{12, 0}, kChannel{36, 0.12 * kMicrosecond}, kTables{8e6, 0.6};
     constexpr double kReading = 8;
     return (kCell + kChannel * channels_of(request)) * planned_cells(request, sites) +
            (has_ink_channels(request) ? kTables : Estimate{}) +

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "core/geometry/lanes.h"
 #include "core/halftone/pixel_ranges.h"
 
 namespace ccdt {
@@ -18,13 +19,13 @@ constexpr int kBoxes = 2;
 /// Number of columns filtered together, so that their sums stay in the cache.
 constexpr std::size_t kColumns = 256;
 
-/// Number of rows filtered together, so that their chains of dependent additions run at the same time.
-constexpr std::size_t kRows = 4;
+/// Number of rows filtered together, as columns of their transpose.
+constexpr std::size_t kRows = 16;
 
-/// Box filter of 2 * reach + 1 equal weights, and one further weight at each end, smaller by the factor `end`.
-struct Box {
+/// BoxFilter filter of 2 * reach + 1 equal weights, and one further weight at each end, smaller by the factor `end`.
+struct BoxFilter {
     /// Constructs the filter that has exactly the given variance, in squared pixels.
-    explicit Box(double variance)
+    explicit BoxFilter(double variance)
         : reach(static_cast<int>((std::sqrt(12 * variance + 1) - 1) / 2)),
           end((2 * reach + 1) * (reach * (reach + 1.0) - 3 * variance) /
               (6 * (variance - (reach + 1.0) * (reach + 1.0)))),
@@ -35,31 +36,33 @@ struct Box {
     double weight;
 };
 
-Box box_of(double sigma, int side) {
+BoxFilter box_of(double sigma, int side) {
     const double most = std::min(sigma, 0.5 * side);
-    return Box(most * most / kBoxes);
+    return BoxFilter(most * most / kBoxes);
 }
 
 /// Returns the index in [0, side) of the pixel whose mirror image lies at `place`.
 int mirrored(int place, int side) {
+    if (place >= 0 && place < side) return place;
     const int period = 2 * side;
     const int within = ((place % period) + period) % period;
     return within < side ? within : period - 1 - within;
 }
 
 /// Filters some adjacent columns of an image.
+/// @param stride    width of the image
 /// @param from, to  top of the first column, in the image and in the result
 /// @param columns   at most kColumns
-void filter_columns(const Box& box, int width, int height, const float* from, float* to, std::size_t columns) {
-    const auto stride = static_cast<std::size_t>(width);
-    const auto row = [&](int y) { return from + static_cast<std::size_t>(mirrored(y, height)) * stride; };
+CCDT_INLINE inline void filter_columns(const BoxFilter& box, std::size_t stride, int height, const float* from,
+                                       float* to, std::size_t columns) {
+    const auto row = [&](int y) CCDT_INLINE { return from + static_cast<std::size_t>(mirrored(y, height)) * stride; };
     std::array<double, kColumns> sums{};  // sums of the values within reach
     for (int y = -box.reach; y <= box.reach; ++y) {
         for (std::size_t x = 0; x < columns; ++x) sums[x] += static_cast<double>(row(y)[x]);
     }
     for (int y = 0; y < height; ++y) {
         const float *before = row(y - box.reach - 1), *first = row(y - box.reach), *after = row(y + box.reach + 1);
-        float* out = to + static_cast<std::size_t>(y) * stride;
+        float* __restrict out = to + static_cast<std::size_t>(y) * stride;
         for (std::size_t x = 0; x < columns; ++x) {
             const double ends = static_cast<double>(before[x]) + static_cast<double>(after[x]);
             out[x] = static_cast<float>(box.weight * (sums[x] + box.end * ends));
@@ -68,37 +71,28 @@ void filter_columns(const Box& box, int width, int height, const float* from, fl
     }
 }
 
-/// Copies a row and extends it on both sides by mirrored pixels.
-void pad(const float* row, int width, int margin, float* padded) {
-    std::copy_n(row, width, padded + margin);
-    for (int x = 1; x <= margin; ++x) {
-        padded[margin - x] = row[mirrored(-x, width)];
-        padded[margin + width - 1 + x] = row[mirrored(width - 1 + x, width)];
-    }
+/// Applies all box filters to some adjacent columns of an image, in place.
+/// @param scratch  of the same shape
+void blur_columns(const BoxFilter& box, std::size_t stride, int height, float* values, float* scratch,
+                  std::size_t columns) {
+    static_assert(kBoxes == 2);
+    with_lanes([&](auto) CCDT_INLINE {
+        filter_columns(box, stride, height, values, scratch, columns);
+        filter_columns(box, stride, height, scratch, values, columns);
+    });
 }
 
-/// Filters some rows in place.
-/// @param padded  buffer for the extended rows
-template <std::size_t kCount>
-void filter_rows(const Box& box, int width, float* rows, std::vector<float>& padded) {
-    const int margin = box.reach + 1;
-    const auto columns = static_cast<std::size_t>(width), stride = columns + 2 * static_cast<std::size_t>(margin);
-    padded.resize(kCount * stride);
-    std::array<double, kCount> sums{};  // sums of the values within reach
-    for (std::size_t row = 0; row < kCount; ++row) {
-        const float* values = padded.data() + row * stride;
-        pad(rows + row * columns, width, margin, padded.data() + row * stride);
-        for (int x = 1; x <= 2 * box.reach + 1; ++x) sums[row] += static_cast<double>(values[x]);
+/// Applies all box filters to some rows, in place.
+/// @param rows     [count][width], of which there are at most kRows
+/// @param scratch  [2][width][kRows]
+void blur_rows(const BoxFilter& box, std::size_t width, float* rows, std::size_t count, std::vector<float>& scratch) {
+    float* const columns = scratch.data();
+    for (std::size_t row = 0; row < count; ++row) {
+        for (std::size_t x = 0; x < width; ++x) columns[x * kRows + row] = rows[row * width + x];
     }
-    const float* before = padded.data();
-    const float* after = before + 2 * margin;
-    for (std::size_t x = 0; x < columns; ++x) {
-        for (std::size_t row = 0; row < kCount; ++row) {
-            const std::size_t at = row * stride + x;
-            const double ends = static_cast<double>(before[at]) + static_cast<double>(after[at]);
-            rows[row * columns + x] = static_cast<float>(box.weight * (sums[row] + box.end * ends));
-            sums[row] += static_cast<double>(after[at]) - static_cast<double>(before[at + 1]);
-        }
+    blur_columns(box, kRows, static_cast<int>(width), columns, columns + width * kRows, kRows);
+    for (std::size_t row = 0; row < count; ++row) {
+        for (std::size_t x = 0; x < width; ++x) rows[row * width + x] = columns[x * kRows + row];
     }
 }
 
@@ -107,23 +101,18 @@ void filter_rows(const Box& box, int width, float* rows, std::vector<float>& pad
 void blur(std::vector<float>& values, int width, int height, double sigma, std::vector<float>& scratch,
           Executor& executor) {
     assert(sigma >= 0 && values.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-    const Box down = box_of(sigma, height), across = box_of(sigma, width);
+    const BoxFilter down = box_of(sigma, height), across = box_of(sigma, width);
     const auto columns = static_cast<std::size_t>(width);
     scratch.resize(values.size());
     for_ranges(executor, columns, kColumns, [&](std::size_t begin, std::size_t end) {
-        filter_columns(down, width, height, values.data() + begin, scratch.data() + begin, end - begin);
-        filter_columns(down, width, height, scratch.data() + begin, values.data() + begin, end - begin);
+        blur_columns(down, columns, height, values.data() + begin, scratch.data() + begin, end - begin);
     });
-    for_ranges(executor, static_cast<std::size_t>(height), rows_of_task(width),
-               [&](std::size_t begin, std::size_t end) {
-                   std::vector<float> padded;
-                   for (std::size_t row = begin; row < end;) {
-                       const bool single = end - row < kRows;
-                       const auto filter = single ? filter_rows<1> : filter_rows<kRows>;
-                       for (int i = 0; i < kBoxes; ++i) filter(across, width, values.data() + row * columns, padded);
-                       row += single ? 1 : kRows;
-                   }
-               });
+    for_ranges(
+        executor, static_cast<std::size_t>(height), rows_of_task(width), [&](std::size_t begin, std::size_t end) {
+            std::vector<float> transposed(2 * columns * kRows);
+            for (std::size_t row = begin; row < end; row += kRows)
+                blur_rows(across, columns, values.data() + row * columns, std::min(kRows, end - row), transposed);
+        });
 }
 
 std::vector<float> blurred(std::vector<float> values, int width, int height, double sigma, Executor& executor) {

@@ -25,9 +25,17 @@ std::size_t size_of(const CellGrid& cells) {
 /// Positions of the centres of cells of one grid between those of another one, along both axes.
 class Resampling {
 public:
-    Resampling(const CellGrid& from, const CellGrid& to) : from_(from), is_identity_(from == to) {
-        for (int x = 0; x < to.columns; ++x) across_.emplace_back((x + 0.5) * from.columns / to.columns, from.columns);
-        for (int y = 0; y < to.rows; ++y) down_.emplace_back((y + 0.5) * from.rows / to.rows, from.rows);
+    /// Both grids cover the same box.
+    Resampling(const CellGrid& from, const CellGrid& to)
+        : Resampling(from, to, static_cast<double>(from.columns) / to.columns,
+                     static_cast<double>(from.rows) / to.rows) {}
+
+    /// Both grids have a common upper left corner.
+    /// @param across, down  size of the cells of `to`, in those of `from`
+    Resampling(const CellGrid& from, const CellGrid& to, double across, double down)
+        : from_(from), is_identity_(from == to) {
+        for (int x = 0; x < to.columns; ++x) across_.emplace_back((x + 0.5) * across, from.columns);
+        for (int y = 0; y < to.rows; ++y) down_.emplace_back((y + 0.5) * down, from.rows);
     }
 
     /// Interpolates a row of the other grid.
@@ -60,54 +68,111 @@ private:
     std::vector<BetweenPixels> across_, down_;
 };
 
-/// Widths of Gaussians: a geometric sequence, and the step of the sequence that each cell has.
-struct Widths {
-    static constexpr double kFactor = 2;
+/// Returns the local spacing of the sites of a plan [grid], in cells of a grid, within limits.
+std::vector<float> spacings(const FieldPlan& plan, const CellGrid& grid, Executor& executor) {
+    constexpr double kNarrow = 0.7, kWide = 1.4, kWideIfLimited = 4;
+    const double pitch = std::sqrt(static_cast<double>(size_of(grid)) / std::max(plan.sites, 1.0));
+    const auto local = blurred(plan.density, plan.cells.columns, plan.cells.rows, plan.pitch(), executor);
+    const double mean =
+        sum_of_pixels(executor, local.size(), [&](std::size_t i) { return static_cast<double>(plan.density[i]); }) /
+        static_cast<double>(local.size());
+    const double wide = plan.is_limited ? kWideIfLimited : kWide;
+    auto lengths = Resampling(plan.cells, grid)(local, executor);
+    for_pixels(executor, lengths.size(), [&](std::size_t i) {
+        const double density = mean > 0 ? std::max(static_cast<double>(lengths[i]) / mean, 1e-6) : 1;
+        lengths[i] = static_cast<float>(pitch * std::clamp(1 / std::sqrt(density), kNarrow, wide));
+    });
+    return lengths;
+}
 
-    /// @param sigma  [cells] standard deviations, in cells, > 0
-    Widths(const CellGrid& grid, std::vector<float> sigma, Executor& executor) : cells(grid), step(std::move(sigma)) {
-        const auto [narrow, wide] = std::ranges::minmax(step);
-        const auto of = [narrow = narrow](float width) { return std::log(width / narrow) / std::log(float{kFactor}); };
-        least = static_cast<double>(narrow);
-        steps = static_cast<int>(std::ceil(of(wide))) + 1;
-        for_pixels(executor, step.size(), [&](std::size_t i) { step[i] = of(step[i]); });
+/// Blurs errors of ink over distances that follow the local spacing of sites.
+class ErrorBlur {
+public:
+    /// @param cells  of the errors
+    ErrorBlur(const FieldPlan& plan, const CellGrid& cells, Executor& executor) : cells_(cells), executor_(executor) {
+        constexpr double kLeastIfHalved = 3.3;  // cells
+        const CellGrid half{(cells.columns + 1) / 2, (cells.rows + 1) / 2};
+        step_ = spacings(plan, half, executor);
+        grid_ = 2 * narrowest() < kLeastIfHalved ? cells : half;
+        if (grid_ == cells) step_ = spacings(plan, cells, executor);
+        least_ = narrowest();
+        const auto of = [least = static_cast<float>(least_)](float length) { return std::log2(length / least); };
+        steps_ = static_cast<int>(std::ceil(of(*std::ranges::max_element(step_)))) + 1;
+        for_pixels(executor, step_.size(), [&](std::size_t i) { step_[i] = of(step_[i]); });
     }
 
-    CellGrid cells;
-    double least;             ///< in cells
-    int steps;                ///< length of the sequence
-    std::vector<float> step;  ///< [cells] in [0, steps - 1]
+    /// Returns the way from blurred errors to the cells.
+    Resampling back() const { return {grid_, cells_, 1 / scale(), 1 / scale()}; }
+
+    /// Returns blurred errors [grid].
+    /// @param errors  errors(y, row) writes a row of errors [cells.columns]
+    /// @param reach   standard deviation of the Gaussian, in spacings
+    /// @param gain    factor of the result
+    template <class Errors>
+    std::vector<float> operator()(const Errors& errors, double reach, float gain) {
+        constexpr double kLeast = 1.5;  // cells
+        const double sigma = std::max(reach * least_, kLeast / scale());
+        // A single blur has side lobes, which let a part of the dots' texture pass.
+        const double part = sigma / std::numbers::sqrt2;
+        const auto columns = static_cast<std::size_t>(cells_.columns);
+        std::vector<float> values(size_of(cells_));
+        for_rows(cells_, [&](std::size_t y) { errors(y, values.data() + y * columns); });
+        // Errors are blurred before they are reduced: the texture of dots would become coarser otherwise.
+        blur(values, cells_.columns, cells_.rows, scale() * part, scratch_, executor_);
+        if (grid_ != cells_) values = halved(values);
+        widen(values, part);
+        std::vector<float> result(values.size());
+        for (int step = 0; step < steps_; ++step) {
+            for_pixels(executor_, result.size(), [&](std::size_t i) {
+                const float weight = 1 - std::abs(step_[i] - static_cast<float>(step));
+                result[i] += gain * std::max(weight, 0.0f) * values[i];
+            });
+            if (step + 1 < steps_) widen(values, std::exp2(step) * sigma * std::numbers::sqrt3);
+        }
+        return result;
+    }
+
+private:
+    /// Returns the size of the cells of the grid, in cells of the errors.
+    double scale() const { return grid_ == cells_ ? 1 : 2; }
+
+    double narrowest() const { return static_cast<double>(*std::ranges::min_element(step_)); }
+
+    template <class Work>
+    void for_rows(const CellGrid& cells, const Work& work) const {
+        for_ranges(executor_, static_cast<std::size_t>(cells.rows), rows_of_task(cells.columns),
+                   [&](std::size_t begin, std::size_t end) {
+                       for (std::size_t y = begin; y < end; ++y) work(y);
+                   });
+    }
+
+    /// Returns the means of blocks of two by two cells, of which the last ones may be cut.
+    std::vector<float> halved(const std::vector<float>& values) const {
+        const auto columns = static_cast<std::size_t>(cells_.columns), last = static_cast<std::size_t>(cells_.rows - 1);
+        std::vector<float> means(size_of(grid_));
+        for_rows(grid_, [&](std::size_t y) {
+            const float* const upper = values.data() + 2 * y * columns;
+            const float* const lower = values.data() + std::min(2 * y + 1, last) * columns;
+            float* const row = means.data() + y * static_cast<std::size_t>(grid_.columns);
+            for (std::size_t x = 0; x < columns / 2; ++x)
+                row[x] = (upper[2 * x] + upper[2 * x + 1] + lower[2 * x] + lower[2 * x + 1]) / 4;
+            if (columns % 2 != 0) row[columns / 2] = (upper[columns - 1] + lower[columns - 1]) / 2;
+        });
+        return means;
+    }
+
+    void widen(std::vector<float>& values, double sigma) {
+        blur(values, grid_.columns, grid_.rows, sigma, scratch_, executor_);
+    }
+
+    CellGrid cells_;
+    CellGrid grid_{};  ///< of blurred errors: the cells or, if spacings have many cells, blocks of two by two
+    Executor& executor_;
+    double least_ = 0;         ///< smallest spacing, in cells of the grid
+    int steps_ = 0;            ///< number of widths, each twice the one before
+    std::vector<float> step_;  ///< [grid] number of the local width, in [0, steps - 1]
+    std::vector<float> scratch_;
 };
-
-/// The density of sites of a plan around each of its cells.
-struct LocalDensity {
-    LocalDensity(const FieldPlan& plan, Executor& executor)
-        : values(blurred(plan.density, plan.cells.columns, plan.cells.rows, plan.pitch(), executor)),
-          mean(sum_of_pixels(executor, plan.density.size(),
-                             [&](std::size_t i) { return static_cast<double>(plan.density[i]); }) /
-               static_cast<double>(plan.density.size())) {}
-
-    std::vector<float> values;
-    double mean;
-};
-
-/// Returns the widths over which ink is fitted: a little more than half the local spacing.
-/// @param local  density of the plan
-/// @param reach  in spacings
-/// @param least  in cells
-Widths fit_widths(const FieldPlan& plan, const LocalDensity& local, const CellGrid& cells, double reach, double least,
-                  Executor& executor) {
-    constexpr double kNarrow = 0.7, kWide = 1.4, kWideIfLimited = 4;
-    const double pitch = std::sqrt(static_cast<double>(size_of(cells)) / std::max(plan.sites, 1.0));
-    const double wide = plan.is_limited ? kWideIfLimited : kWide;
-    auto widths = Resampling(plan.cells, cells)(local.values, executor);
-    for_pixels(executor, widths.size(), [&](std::size_t i) {
-        const double density = local.mean > 0 ? std::max(static_cast<double>(widths[i]) / local.mean, 1e-6) : 1;
-        const double spacing = pitch * std::clamp(1 / std::sqrt(density), kNarrow, wide);
-        widths[i] = static_cast<float>(std::max(reach * spacing, least));
-    });
-    return {cells, std::move(widths), executor};
-}
 
 /// Returns the share of a pixel in which the spot function exceeds the threshold.
 /// @param above  spot function minus threshold, at the centre
@@ -139,55 +204,45 @@ public:
     /// @param start  [cells] threshold before the fit of any channel
     /// @param first  [cells] threshold before the fit of this channel
     /// @param light  [cells] wanted light
-    /// @param near   [cells] mean light of the nearest surroundings
     /// @param most   [cells] upper limit of the threshold; empty: none
     Fit(const CellGrid& cells, const std::vector<float>& spots, const std::vector<float>& start,
-        std::vector<float> first, std::vector<float> light, std::vector<float> near, std::span<const float> most,
-        float least_slope, Executor& executor)
+        std::vector<float> first, std::vector<float> light, std::span<const float> most, float least_slope,
+        Executor& executor)
         : cells_(cells),
           spots_(spots),
           light_(std::move(light)),
-          near_(std::move(near)),
           most_(most),
           threshold_(std::move(first)),
           slope_(start.size()),
           executor_(executor) {
         find_slopes(start, least_slope);
-        limit();
-    }
-
-    /// Returns the share of ink in each cell.
-    std::vector<float> ink() const {
-        std::vector<float> shares(slope_.size());
-        for_pixels(executor_, shares.size(),
-                   [&](std::size_t i) { shares[i] = ink_share(spots_[i] - threshold_[i], slope_[i]); });
-        return shares;
+        move(0, std::vector<float>(threshold_.size()));
     }
 
     /// Measures the error of the ink, and moves the threshold.
-    /// @param ink     [cells] share of ink
-    /// @param widths  for cells, or for fewer and larger ones, in which errors are blurred faster
-    /// @param gain    change of the threshold, divided by the error; above 1, later rounds correct what was too much
-    void round(std::vector<float> ink, const Widths& widths, float gain) {
-        std::vector<float> error = std::move(ink);
-        for_pixels(executor_, error.size(), [&](std::size_t i) { error[i] -= 1 - light_[i]; });
-        const auto [columns, rows] = widths.cells;
-        if (widths.cells != cells_) error = reduced(error, cells_.columns, cells_.rows, widths.cells, executor_);
-        // A single blur has side lobes, which let a part of the dots' texture pass.
-        for (int half = 0; half < 2; ++half)
-            blur(error, columns, rows, widths.least / std::numbers::sqrt2, scratch_, executor_);
-        std::vector<float> change(error.size());
-        for (int step = 0; step < widths.steps; ++step) {
-            for_pixels(executor_, change.size(), [&](std::size_t i) {
-                const float weight = 1 - std::abs(widths.step[i] - static_cast<float>(step));
-                change[i] += gain * std::max(weight, 0.0f) * error[i];
-            });
-            const double sigma = widths.least * std::pow(Widths::kFactor, step);
-            if (step + 1 < widths.steps)
-                blur(error, columns, rows, sigma * std::sqrt(Widths::kFactor * Widths::kFactor - 1), scratch_,
-                     executor_);
-        }
-        move(change, widths.cells);
+    /// @param ink  [cells] share of ink; empty: as the threshold and the slope have it
+    void round(std::span<const float> ink, ErrorBlur& blur, double reach, float gain) {
+        const auto columns = static_cast<std::size_t>(cells_.columns);
+        const auto errors = [&](std::size_t y, float* row) {
+            const std::size_t first = y * columns;
+            if (ink.empty()) {
+                for (std::size_t x = 0; x < columns; ++x)
+                    row[x] = ink_share(spots_[first + x] - threshold_[first + x], slope_[first + x]);
+            } else {
+                std::ranges::copy(ink.subspan(first, columns), row);
+            }
+            for (std::size_t x = 0; x < columns; ++x) row[x] -= 1 - light_[first + x];
+        };
+        const std::vector<float> change = blur(errors, reach, gain);
+        const Resampling resampling = blur.back();
+        for_ranges(executor_, static_cast<std::size_t>(cells_.rows), rows_of_task(cells_.columns),
+                   [&](std::size_t begin, std::size_t end) {
+                       std::vector<float> row(columns);
+                       for (std::size_t y = begin; y < end; ++y) {
+                           resampling.row(change, y, row.data());
+                           move(y * columns, row);
+                       }
+                   });
     }
 
     std::vector<float>& threshold() { return threshold_; }
@@ -200,30 +255,18 @@ public:
     }
 
 private:
-    /// Changes the threshold.
-    /// @param change  [grid]
-    void move(const std::vector<float>& change, const CellGrid& grid) {
-        const auto columns = static_cast<std::size_t>(cells_.columns);
-        const Resampling resampling(grid, cells_);
-        for_ranges(executor_, static_cast<std::size_t>(cells_.rows), rows_of_task(cells_.columns),
-                   [&](std::size_t begin, std::size_t end) {
-                       std::vector<float> row(columns);
-                       for (std::size_t y = begin; y < end; ++y) {
-                           resampling.row(change, y, row.data());
-                           for (std::size_t x = 0; x < columns; ++x) threshold_[y * columns + x] += row[x];
-                       }
-                   });
-        limit();
-    }
-
-    /// Keeps solid ink free of holes, bare paper free of dots, and the threshold below its limit.
-    void limit() {
+    /// Changes the threshold of some cells. Keeps solid ink free of holes, bare paper free of dots, and the threshold
+    /// below its limit.
+    void move(std::size_t first, const std::vector<float>& change) {
         constexpr float kNothing = 0.0005f;
-        for_pixels(executor_, threshold_.size(), [&](std::size_t i) {
-            if (near_[i] < kNothing) threshold_[i] = kSolid;
-            if (near_[i] > 1 - kNothing) threshold_[i] = kBare;
-            if (!most_.empty()) threshold_[i] = std::min(threshold_[i], most_[i]);
-        });
+        float* const threshold = threshold_.data() + first;
+        const float* const light = light_.data() + first;
+        for (std::size_t i = 0; i < change.size(); ++i) {
+            const float moved = light[i] < kNothing ? kSolid : threshold[i] + change[i];
+            threshold[i] = light[i] > 1 - kNothing ? kBare : moved;
+        }
+        if (most_.empty()) return;
+        for (std::size_t i = 0; i < change.size(); ++i) threshold[i] = std::min(threshold[i], most_[first + i]);
     }
 
     void find_slopes(const std::vector<float>& start, float least) {
@@ -241,20 +284,30 @@ private:
 
     CellGrid cells_;
     const std::vector<float>& spots_;
-    std::vector<float> light_, near_;
+    std::vector<float> light_;
     std::span<const float> most_;
     std::vector<float> threshold_, slope_;
-    std::vector<float> scratch_;
     Executor& executor_;
 };
 
 /// Returns the threshold of a channel before the fit [to].
-std::vector<float> start_of(const FieldChannel& channel, const Resampling& resampling, Executor& executor) {
-    constexpr float kLowest = -1, kHighest = 2;
-    std::vector<float> start = resampling(channel.sharp, executor);
-    const auto steep = resampling(channel.steepness, executor);
-    for_pixels(executor, start.size(),
-               [&](std::size_t i) { start[i] = std::clamp(0.5f + (start[i] - 0.5f) * steep[i], kLowest, kHighest); });
+std::vector<float> start_of(const FieldChannel& channel, const CellGrid& to, const Resampling& resampling,
+                            Executor& executor) {
+    const auto columns = static_cast<std::size_t>(to.columns);
+    std::vector<float> start(size_of(to));
+    for_ranges(executor, static_cast<std::size_t>(to.rows), rows_of_task(to.columns),
+               [&](std::size_t begin, std::size_t end) {
+                   std::vector<float> steepness(columns), low(columns), high(columns);
+                   for (std::size_t y = begin; y < end; ++y) {
+                       float* const row = start.data() + y * columns;
+                       resampling.row(channel.sharp, y, row);
+                       resampling.row(channel.steepness, y, steepness.data());
+                       resampling.row(channel.low, y, low.data());
+                       resampling.row(channel.high, y, high.data());
+                       for (std::size_t x = 0; x < columns; ++x)
+                           row[x] = steepened(row[x], steepness[x], low[x], high[x]);
+                   }
+               });
     return start;
 }
 
@@ -264,13 +317,6 @@ std::vector<float> wanted_light(const FieldChannel& channel, const CellGrid& fro
     if (to.columns <= from.columns && to.rows <= from.rows)
         return reduced(channel.light, from.columns, from.rows, to, executor);
     return Resampling(from, to)(channel.light, executor);
-}
-
-/// Returns the mean light of the nearest surroundings of each cell.
-std::vector<float> light_near(const FieldChannel& channel, const CellGrid& cells, const Resampling& resampling,
-                              Executor& executor) {
-    constexpr double kNear = 0.6;  // cells of the picture
-    return resampling(blurred(channel.light, cells.columns, cells.rows, kNear, executor), executor);
 }
 
 /// Some rows of a canvas, with the spot function at their pixels.
@@ -355,21 +401,16 @@ FieldDrawing::FieldDrawing(const FieldPlan& plan, std::span<const Point> sites, 
       cells_(canvas ? fit_cells(plan, *canvas) : outline_cells(plan)),
       spots_(SpotField(triangles_, cells_).values(executor)),
       executor_(executor) {
-    // The first rounds blur errors in larger cells. The last ones measure what is drawn, and blur it so widely that no
-    // texture of dots is left: the threshold would follow it, which makes dark areas darker and light ones lighter.
-    constexpr int kRounds = 6, kCoarse = 5, kLast = 2, kLastIfDrawn = 3;
-    constexpr double kReach = 0.6, kWideReach = 0.9;    // spacings
-    constexpr double kLeast = 1.5, kLeastOfCoarse = 2;  // cells
+    // The last rounds measure what is drawn, and blur it so widely that no texture of dots is left: the threshold would
+    // follow it, which makes dark areas darker and light ones lighter.
+    constexpr int kRounds = 6, kLast = 2, kLastIfDrawn = 3;
+    constexpr double kReach = 0.6, kWideReach = 0.9;  // spacings
     constexpr float kFirstGain = 1.9f, kLastGain = 0.5f;
     const Resampling resampling(plan.cells, cells_);
-    const LocalDensity local(plan, executor);
-    const Widths widths = fit_widths(plan, local, cells_, kReach, kLeast, executor);
-    const Widths wide = fit_widths(plan, local, cells_, kWideReach, kLeast, executor);
-    const CellGrid half{(cells_.columns + 1) / 2, (cells_.rows + 1) / 2};
-    const Widths coarse = widths.least < kLeastOfCoarse ? widths : fit_widths(plan, local, half, kReach, 0, executor);
+    ErrorBlur blur(plan, cells_, executor);
     const bool is_drawn = cells_ != canvas;  // whether ink is measured in other pixels than the cells
     for (const FieldChannel& channel : plan.channels) {
-        std::vector<float> start = start_of(channel, resampling, executor);
+        std::vector<float> start = start_of(channel, cells_, resampling, executor);
         std::vector<float> first = start;
         std::span<const float> most;
         if (is_nested_ && !thresholds_.empty()) {
@@ -379,17 +420,18 @@ FieldDrawing::FieldDrawing(const FieldPlan& plan, std::span<const Point> sites, 
                 if (most[i] < kBare) first[i] = std::min(first[i] + most[i] - starts_.back()[i], most[i]);
             });
         }
-        Fit fit(cells_, spots_, start, std::move(first), wanted_light(channel, plan.cells, cells_, executor),
-                light_near(channel, plan.cells, resampling, executor), most, least_slope(cells_.columns), executor);
+        Fit fit(cells_, spots_, start, std::move(first), wanted_light(channel, plan.cells, cells_, executor), most,
+                least_slope(cells_.columns), executor);
         for (int round = 0; round < kRounds && !stop.stop_requested(); ++round) {
             const float gain = std::lerp(kFirstGain, kLastGain, static_cast<float>(round) / (kRounds - 1));
-            fit.round(fit.ink(), round < kCoarse ? coarse : widths, gain);
+            fit.round({}, blur, kReach, gain);
         }
         for (int round = 0; round < (is_drawn ? kLastIfDrawn : kLast) && !stop.stop_requested(); ++round) {
-            auto ink = !is_drawn ? fit.ink()
-                       : canvas  ? drawn_ink(start, fit.threshold(), *canvas)
-                                 : outlined_shares(fit.level(), cells_, executor);
-            fit.round(std::move(ink), wide, 1);
+            std::vector<float> ink;
+            if (is_drawn)
+                ink = canvas ? drawn_ink(start, fit.threshold(), *canvas)
+                             : outlined_shares(fit.level(), cells_, executor);
+            fit.round(ink, blur, kWideReach, 1);
         }
         starts_.push_back(std::move(start));
         thresholds_.push_back(std::move(fit.threshold()));

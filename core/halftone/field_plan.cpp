@@ -57,6 +57,29 @@ std::vector<float> steepness_of(const std::vector<float>& light, const CellGrid&
     return factors;
 }
 
+/// Finds the extremes of a channel in the three by three cells around each cell.
+void find_extremes(FieldChannel& channel, const CellGrid& cells, Executor& executor) {
+    const auto columns = static_cast<std::size_t>(cells.columns), rows = static_cast<std::size_t>(cells.rows);
+    channel.low.resize(channel.sharp.size());
+    channel.high.resize(channel.sharp.size());
+    for_ranges(executor, rows, rows_of_task(cells.columns), [&](std::size_t begin, std::size_t end) {
+        std::vector<float> least(columns), most(columns);
+        for (std::size_t y = begin; y < end; ++y) {
+            const auto row = [&](std::size_t number) { return channel.sharp.data() + number * columns; };
+            const float *upper = row(y > 0 ? y - 1 : y), *middle = row(y), *lower = row(std::min(y + 1, rows - 1));
+            for (std::size_t x = 0; x < columns; ++x) {
+                least[x] = std::min(std::min(upper[x], middle[x]), lower[x]);
+                most[x] = std::max(std::max(upper[x], middle[x]), lower[x]);
+            }
+            for (std::size_t x = 0; x < columns; ++x) {
+                const std::size_t left = x > 0 ? x - 1 : x, right = std::min(x + 1, columns - 1);
+                channel.low[y * columns + x] = std::min(std::min(least[left], least[x]), least[right]);
+                channel.high[y * columns + x] = std::max(std::max(most[left], most[x]), most[right]);
+            }
+        }
+    });
+}
+
 /// The luminance of a picture: that of its darkest colour, and what each channel adds.
 struct Luminance {
     float dark = 0;
@@ -88,7 +111,7 @@ public:
         : luminance_(std::move(luminance)), options_(options), executor_(executor) {
         plan_.cells = cells;
         for (std::size_t c = 0; c < light.size(); ++c)
-            plan_.channels.push_back({std::move(light[c]), std::move(smooth[c]), {}});
+            plan_.channels.push_back({std::move(light[c]), std::move(smooth[c]), {}, {}, {}});
     }
 
     /// Plans boundaries between sets of inks.
@@ -107,10 +130,14 @@ public:
         choose_sites();
         const double pitch = plan_.pitch();
         find_steepness(pitch);
+        for (FieldChannel& channel : plan_.channels) find_extremes(channel, plan_.cells, executor_);
         find_density(options_.least_area);
         plan_.is_limited = options_.least_area > 0;
         if (plan_.is_limited) limit_density();
-        for (FieldChannel& channel : plan_.channels) sharpen(channel, pitch);
+        for (FieldChannel& channel : plan_.channels) {
+            sharpen(channel, pitch);
+            find_extremes(channel, plan_.cells, executor_);
+        }
         return std::move(plan_);
     }
 
@@ -150,6 +177,7 @@ private:
         for (FieldChannel& channel : plan_.channels) {
             channel.sharp = channel.light;
             channel.steepness.assign(channel.light.size(), kSteepness);
+            find_extremes(channel, plan_.cells, executor_);
         }
         plan_.density.assign(size(), 0.0f);
     }
@@ -172,9 +200,11 @@ private:
         float luminance = luminance_.dark, mean = 0, largest = 0;
         for (std::size_t c = 0; c < plan_.channels.size(); ++c) {
             const FieldChannel& channel = plan_.channels[c];
-            const float light = channel.sharp[cell],
-                        steepness = channel.steepness.empty() ? 1 : channel.steepness[cell];
-            const float steep = std::clamp(0.5f + (light - 0.5f) * steepness, 0.0f, 1.0f);
+            const float light = channel.sharp[cell];
+            const bool is_flat = channel.steepness.empty();
+            const float steep = std::clamp(
+                is_flat ? light : steepened(light, channel.steepness[cell], channel.low[cell], channel.high[cell]),
+                0.0f, 1.0f);
             const float share = std::min(steep, 1 - steep);
             luminance += luminance_.steps[c] * light;
             mean += luminance_.steps[c] * share;

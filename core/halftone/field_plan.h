@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <stop_token>
@@ -31,8 +32,17 @@ struct FieldOptions {
 struct FieldChannel {
     std::vector<float> light;      ///< share of the lighter colour, in [0, 1]
     std::vector<float> sharp;      ///< the same after denoising and sharpening, not limited
-    std::vector<float> steepness;  ///< factor of the contrast with 1/2, >= 1; larger at edges of the picture
+    std::vector<float> steepness;  ///< factor of the contrast, >= 1; larger at edges of the picture
+    std::vector<float> low,
+        high;  ///< extremes of `sharp` in the nearest cells, which a larger contrast does not exceed
 };
+
+/// Returns a value of `sharp` with a larger contrast.
+/// @param low, high  extremes around it
+inline float steepened(float value, float steepness, float low, float high) {
+    const float middle = (low + high) / 2;
+    return std::clamp(middle + (value - middle) * steepness, low, high);
+}
 
 /// Plan of a drawing by one field: the density of the sites, and what their spot function is compared with.
 struct FieldPlan {

@@ -39,11 +39,12 @@ private:
         const float right = x - static_cast<float>(column), down = y - static_cast<float>(row);
         const float* upper = values_.data() + row * (kSteps + 1) + column;
         const float* lower = upper + kSteps + 1;
-        const bool beyond = right + down > 1;  // whether the place is in the second half of a square
-        const float corner = beyond ? lower[1] : upper[0];
-        const float across = (beyond ? lower[0] : upper[1]) - corner,
-                    along_rows = (beyond ? upper[1] : lower[0]) - corner;
-        return corner + (beyond ? 1 - right : right) * across + (beyond ? 1 - down : down) * along_rows;
+        // Each square has two halves. Written so that compilers choose values without branches.
+        const bool beyond = right + down > 1;
+        const float corner = *(beyond ? lower + 1 : upper), next = *(beyond ? lower : upper + 1),
+                    below = *(beyond ? upper + 1 : lower);
+        const float to_next = beyond ? 1 - right : right, to_below = beyond ? 1 - down : down;
+        return corner + to_next * (next - corner) + to_below * (below - corner);
     }
 
     std::vector<float> values_;  ///< [kSteps + 1][kSteps + 1] at steps of `inside` and `along`
