@@ -33,15 +33,19 @@ struct FieldChannel {
     std::vector<float> light;      ///< share of the lighter colour, in [0, 1]
     std::vector<float> sharp;      ///< the same after denoising and sharpening, not limited
     std::vector<float> steepness;  ///< factor of the contrast, >= 1; larger at edges of the picture
-    std::vector<float> low,
-        high;  ///< extremes of `sharp` in the nearest cells, which a larger contrast does not exceed
+    std::vector<float> low;        ///< minimum of `sharp` in the nearest cells
+    std::vector<float> high;       ///< maximum of `sharp` in the nearest cells
 };
 
 /// Returns a value of `sharp` with a larger contrast.
-/// @param low, high  extremes around it
+/// @param low, high  extremes around it, which the result exceeds only if they lie beyond solid ink or bare paper:
+///                   strokes are drawn without holes
 inline float steepened(float value, float steepness, float low, float high) {
+    constexpr float kBeyond = 6, kLowest = -1, kHighest = 2;
     const float middle = (low + high) / 2;
-    return std::clamp(middle + (value - middle) * steepness, low, high);
+    const float least = low < 0 ? std::max(kBeyond * low, kLowest) : low;
+    const float most = high > 1 ? std::min(1 + kBeyond * (high - 1), kHighest) : high;
+    return std::clamp(middle + (value - middle) * steepness, least, most);
 }
 
 /// Plan of a drawing by one field: the density of the sites, and what their spot function is compared with.

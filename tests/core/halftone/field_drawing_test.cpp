@@ -130,6 +130,34 @@ TEST(FieldDrawing, DrawsBlackAndWhiteWithoutSpecks) {
     }
 }
 
+TEST(FieldDrawing, DrawsObjectsWithoutFrameAndGhost) {
+    constexpr double kLight = 0.3, kLeft = 40, kRight = 140, kTop = 30, kBottom = 90;
+    const FieldPlan plan = plan_field(
+        {picture([&](double x, double y) { return x > kLeft && x < kRight && y > kTop && y < kBottom ? kLight : 1; })},
+        kCells, {2000, {}, 1});
+    const Raster raster = draw(plan).rasters(kScale * kColumns, kScale * kRows, true).at(0);
+    // Mean light at a distance from the object's sides, in cells, negative within the object.
+    const auto lights = light_of(raster);
+    const auto at = [&](double from, double to) {
+        double sum = 0, count = 0;
+        for (int y = 0; y < raster.height; ++y) {
+            for (int x = 0; x < raster.width; ++x) {
+                const double across = std::max(kLeft - (x + 0.5) / kScale, (x + 0.5) / kScale - kRight);
+                const double along = std::max(kTop - (y + 0.5) / kScale, (y + 0.5) / kScale - kBottom);
+                const double distance = std::max(across, along);
+                if (distance < from || distance > to) continue;
+                sum += static_cast<double>(lights[static_cast<std::size_t>(y * raster.width + x)]);
+                ++count;
+            }
+        }
+        return sum / count;
+    };
+    EXPECT_EQ(at(1, 30), 1);
+    EXPECT_NEAR(at(-1.5, -0.5), kLight, 0.1);
+    EXPECT_NEAR(at(-3, -1.5), kLight, 0.1);
+    EXPECT_NEAR(at(-20, -3), kLight, 0.01);
+}
+
 TEST(FieldDrawing, DrawsTheSameTonesOnAnyCanvas) {
     const auto waves = picture([](double x, double y) { return 0.5 + 0.4 * std::sin(x / 15) * std::cos(y / 11); });
     const FieldPlan plan = plan_field({waves}, kCells, {500, {}, 0});
