@@ -41,11 +41,12 @@ struct Options {
 
 /// State of a running computation.
 struct Progress {
-    int iteration = 0;                ///< iterations completed
-    int iterations = 0;               ///< iterations requested
-    std::optional<double> variation;  ///< capacity variation after the last completed iteration; none before the start
-    int round = 0;                    ///< rounds of the polish completed
-    int rounds = 0;                   ///< number of rounds of the polish
+    int iteration = 0;   ///< iterations completed
+    int iterations = 0;  ///< iterations requested
+    /// Capacity variation after the last completed iteration. None before the start is completed.
+    std::optional<double> variation = {};
+    int round = 0;   ///< rounds of the polish completed
+    int rounds = 0;  ///< number of rounds of the polish
     /// Completed share of a work that also has other steps, such as decoding. None: the sites are the whole work.
     std::optional<double> share = {};
 
