@@ -59,8 +59,9 @@ class Replicas(unittest.TestCase):
     def test_any_replica_streams_and_cancels_a_job(self):
         first, second, third = self.start(), self.start(), self.start()
         job = submit(first, ENDLESS)
-        found = wait_until(lambda: (now := status(second, job))["progress"] > 0 and now)
+        found = wait_until(lambda: (now := status(second, job))["iteration"] > 0 and now)
         self.assertEqual(found["status"], "running")
+        self.assertGreater(found["progress"], 0)
         self.assertIsNotNone(found["variation"])
         streams = [Call(server.url(job + "/events"), "--no-buffer") for server in (first, second, third)]
         wait_until(lambda: sum(figure(server, "ccdt_event_streams_open") for server in (first, second, third)) == 3)
