@@ -91,13 +91,14 @@ Estimate field_plan_cost(const HalftoneRequest& request, double sites) {
 /// Estimates the cost of fitting a field to a drawing, and of drawing it.
 /// @param pixels  of the drawing; 0: there are only outlines
 Estimate field_cost(const HalftoneRequest& request, double sites, double pixels) {
-    constexpr Estimate kFit{64, 0.05 * kMicrosecond}, kFitOfChannel{8, 0.3 * kMicrosecond};
+    constexpr Estimate kBuffers{2e6, 0}, kFit{56, 0.05 * kMicrosecond}, kFitOfChannel{8, 0.3 * kMicrosecond};
     constexpr Estimate kDrawn{6, 0.2 * kMicrosecond}, kDrawnChannel{2, 0.05 * kMicrosecond},
         kSite{400, 4 * kMicrosecond};
     const double cells = std::max(sites * kPixelsOfPitch * kPixelsOfPitch, planned_cells(request, sites));
     const double fitted = pixels > 0 ? std::min(pixels, cells) : cells;
     const double channels = channels_of(request);
-    return (kFit + kFitOfChannel * channels) * fitted + (kDrawn + kDrawnChannel * channels) * pixels + kSite * sites;
+    return kBuffers + (kFit + kFitOfChannel * channels) * fitted + (kDrawn + kDrawnChannel * channels) * pixels +
+           kSite * sites;
 }
 
 /// Estimates the cost of sharpening the coverage, one ink at a time, or of planning a field.
@@ -127,7 +128,11 @@ Estimate decoding_cost(const HalftoneRequest& request) {
 /// Estimates the cost of the density grids: one for each ink and, if there are several, one for their sum.
 Estimate densities_cost(const HalftoneRequest& request, double sites) {
     const auto pixels = static_cast<double>(request.image.header.pixels());
-    if (request.dots == Dots::Both) return density_cost(planned_cells(request, sites));
+    if (request.dots == Dots::Both) {
+        constexpr Estimate kPlanned{20, 0};  // of the plan's channels, which are kept until the field is drawn
+        const double cells = planned_cells(request, sites);
+        return density_cost(cells) + kPlanned * (channels_of(request) * cells);
+    }
     const double inks = inks_of(request);
     return density_cost(pixels * (inks > 1 ? inks * 1.2 + 1 : 1));
 }
