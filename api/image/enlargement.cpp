@@ -118,18 +118,16 @@ void compensate_enlargement(DotImage& picture, Executor& executor) {
     const std::vector<std::uint8_t> before = picture.pixels;
     const std::size_t size = picture.row_size(), step = picture.channels();
     const auto height = static_cast<std::size_t>(picture.height);
-    for_ranges(executor, height, rows_of_task(picture.width), [&](std::size_t begin, std::size_t end) {
-        for (std::size_t y = begin; y < end; ++y) {
-            const std::uint8_t* const row = before.data() + y * size;
-            const std::uint8_t* const above = y > 0 ? row - size : row;
-            const std::uint8_t* const below = y + 1 < height ? row + size : row;
-            for (std::size_t x = 0; x < size; ++x) {
-                const std::size_t left = x < step ? x : x - step, right = x + step < size ? x + step : x;
-                const Neighbourhood around{above[left], above[x],    above[right], row[left],   row[x],
-                                           row[right],  below[left], below[x],     below[right]};
-                if (std::ranges::all_of(around, [&](std::uint8_t value) { return value == row[x]; })) continue;
-                picture.pixels[y * size + x] = curve.stored(curve.light(row[x]) + kShare * loss(curve, lights, around));
-            }
+    for_rows(executor, picture.width, height, [&](std::size_t y) {
+        const std::uint8_t* const row = before.data() + y * size;
+        const std::uint8_t* const above = y > 0 ? row - size : row;
+        const std::uint8_t* const below = y + 1 < height ? row + size : row;
+        for (std::size_t x = 0; x < size; ++x) {
+            const std::size_t left = x < step ? x : x - step, right = x + step < size ? x + step : x;
+            const Neighbourhood around{above[left], above[x],    above[right], row[left],   row[x],
+                                       row[right],  below[left], below[x],     below[right]};
+            if (std::ranges::all_of(around, [&](std::uint8_t value) { return value == row[x]; })) continue;
+            picture.pixels[y * size + x] = curve.stored(curve.light(row[x]) + kShare * loss(curve, lights, around));
         }
     });
 }

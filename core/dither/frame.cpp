@@ -56,16 +56,13 @@ std::vector<float> enlarged(const std::vector<float>& values, const FrameSize& f
                             Executor& executor) {
     std::vector<float> result(area(to));
     const auto columns = static_cast<std::size_t>(to.width);
-    for_ranges(executor, static_cast<std::size_t>(to.height), rows_of_task(to.width),
-               [&](std::size_t begin, std::size_t end) {
-                   for (std::size_t y = begin; y < end; ++y) {
-                       for (std::size_t x = 0; x < columns; ++x) {
-                           const Point place{(static_cast<double>(x) + 0.5) * from.width / to.width,
-                                             (static_cast<double>(y) + 0.5) * from.height / to.height};
-                           result[y * columns + x] = interpolated(values, from.width, from.height, place);
-                       }
-                   }
-               });
+    for_rows(executor, to.width, static_cast<std::size_t>(to.height), [&](std::size_t y) {
+        for (std::size_t x = 0; x < columns; ++x) {
+            const Point place{(static_cast<double>(x) + 0.5) * from.width / to.width,
+                              (static_cast<double>(y) + 0.5) * from.height / to.height};
+            result[y * columns + x] = interpolated(values, from.width, from.height, place);
+        }
+    });
     return result;
 }
 

@@ -27,10 +27,9 @@ constexpr std::size_t index(int i) {
 std::vector<double> masses_of(const Density& density, int width, int height, Executor& executor) {
     std::vector<double> masses(index(width) * index(height), 1);
     if (density.is_uniform()) return masses;
-    for_ranges(executor, index(height), rows_of_task(width), [&](std::size_t begin, std::size_t end) {
-        for (std::size_t row = begin; row < end; ++row)
-            density.resample_row(density.cells(), width, height, static_cast<int>(row),
-                                 std::span(masses).subspan(row * index(width), index(width)));
+    for_rows(executor, width, index(height), [&](std::size_t row) {
+        density.resample_row(density.cells(), width, height, static_cast<int>(row),
+                             std::span(masses).subspan(row * index(width), index(width)));
     });
     return masses;
 }

@@ -55,10 +55,8 @@ public:
 
     std::vector<float> operator()(const std::vector<float>& values, Executor& executor) const {
         std::vector<float> result(across_.size() * down_.size());
-        for_ranges(executor, down_.size(), rows_of_task(static_cast<int>(across_.size())),
-                   [&](std::size_t begin, std::size_t end) {
-                       for (std::size_t y = begin; y < end; ++y) row(values, y, result.data() + y * across_.size());
-                   });
+        for_rows(executor, static_cast<int>(across_.size()), down_.size(),
+                 [&](std::size_t y) { row(values, y, result.data() + y * across_.size()); });
         return result;
     }
 
@@ -116,7 +114,8 @@ public:
         const double part = sigma / std::numbers::sqrt2;
         const auto columns = static_cast<std::size_t>(cells_.columns);
         std::vector<float> values(size_of(cells_));
-        for_rows(cells_, [&](std::size_t y) { errors(y, values.data() + y * columns); });
+        for_rows(executor_, cells_.columns, static_cast<std::size_t>(cells_.rows),
+                 [&](std::size_t y) { errors(y, values.data() + y * columns); });
         // Errors are blurred before they are reduced: the texture of dots would become coarser otherwise.
         blur(values, cells_.columns, cells_.rows, scale() * part, scratch_, executor_);
         if (grid_ != cells_) values = halved(values);
@@ -138,19 +137,11 @@ private:
 
     double narrowest() const { return static_cast<double>(*std::ranges::min_element(step_)); }
 
-    template <class Work>
-    void for_rows(const CellGrid& cells, const Work& work) const {
-        for_ranges(executor_, static_cast<std::size_t>(cells.rows), rows_of_task(cells.columns),
-                   [&](std::size_t begin, std::size_t end) {
-                       for (std::size_t y = begin; y < end; ++y) work(y);
-                   });
-    }
-
     /// Returns the means of blocks of two by two cells, of which the last ones may be cut.
     std::vector<float> halved(const std::vector<float>& values) const {
         const auto columns = static_cast<std::size_t>(cells_.columns), last = static_cast<std::size_t>(cells_.rows - 1);
         std::vector<float> means(size_of(grid_));
-        for_rows(grid_, [&](std::size_t y) {
+        for_rows(executor_, grid_.columns, static_cast<std::size_t>(grid_.rows), [&](std::size_t y) {
             const float* const upper = values.data() + 2 * y * columns;
             const float* const lower = values.data() + std::min(2 * y + 1, last) * columns;
             float* const row = means.data() + y * static_cast<std::size_t>(grid_.columns);
@@ -273,12 +264,10 @@ private:
         const auto columns = static_cast<std::size_t>(cells_.columns), rows = static_cast<std::size_t>(cells_.rows);
         std::vector<float> above(spots_.size());
         for_pixels(executor_, above.size(), [&](std::size_t i) { above[i] = spots_[i] - start[i]; });
-        for_ranges(executor_, rows, rows_of_task(cells_.columns), [&](std::size_t begin, std::size_t end) {
-            for (std::size_t y = begin; y < end; ++y) {
-                const auto row = [&](std::size_t number) { return above.data() + number * columns; };
-                const ThreeRows around{row(y > 0 ? y - 1 : y), row(y), row(std::min(y + 1, rows - 1)), least};
-                for (std::size_t x = 0; x < columns; ++x) slope_[y * columns + x] = around.slope(x, columns);
-            }
+        for_rows(executor_, cells_.columns, rows, [&](std::size_t y) {
+            const auto row = [&](std::size_t number) { return above.data() + number * columns; };
+            const ThreeRows around{row(y > 0 ? y - 1 : y), row(y), row(std::min(y + 1, rows - 1)), least};
+            for (std::size_t x = 0; x < columns; ++x) slope_[y * columns + x] = around.slope(x, columns);
         });
     }
 

@@ -26,17 +26,15 @@ namespace {
 std::vector<float> gradients(const std::vector<float>& values, const CellGrid& cells, Executor& executor) {
     const auto columns = static_cast<std::size_t>(cells.columns), rows = static_cast<std::size_t>(cells.rows);
     std::vector<float> lengths(values.size());
-    for_ranges(executor, rows, rows_of_task(cells.columns), [&](std::size_t begin, std::size_t end) {
-        for (std::size_t y = begin; y < end; ++y) {
-            const std::size_t up = y > 0 ? y - 1 : y, down = std::min(y + 1, rows - 1);
-            for (std::size_t x = 0; x < columns; ++x) {
-                const std::size_t left = x > 0 ? x - 1 : x, right = std::min(x + 1, columns - 1);
-                const float across = (values[y * columns + right] - values[y * columns + left]) /
-                                     static_cast<float>(std::max<std::size_t>(right - left, 1));
-                const float along = (values[down * columns + x] - values[up * columns + x]) /
-                                    static_cast<float>(std::max<std::size_t>(down - up, 1));
-                lengths[y * columns + x] = std::sqrt(across * across + along * along);
-            }
+    for_rows(executor, cells.columns, rows, [&](std::size_t y) {
+        const std::size_t up = y > 0 ? y - 1 : y, down = std::min(y + 1, rows - 1);
+        for (std::size_t x = 0; x < columns; ++x) {
+            const std::size_t left = x > 0 ? x - 1 : x, right = std::min(x + 1, columns - 1);
+            const float across = (values[y * columns + right] - values[y * columns + left]) /
+                                 static_cast<float>(std::max<std::size_t>(right - left, 1));
+            const float along = (values[down * columns + x] - values[up * columns + x]) /
+                                static_cast<float>(std::max<std::size_t>(down - up, 1));
+            lengths[y * columns + x] = std::sqrt(across * across + along * along);
         }
     });
     return lengths;

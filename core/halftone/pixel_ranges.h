@@ -30,6 +30,15 @@ void for_pixels(Executor& executor, std::size_t pixels, const Work& work) {
     });
 }
 
+/// Calls work(row) for each row of pixels, on the threads of an executor.
+/// @param width  >= 1
+template <class Work>
+void for_rows(Executor& executor, int width, std::size_t rows, const Work& work) {
+    for_ranges(executor, rows, rows_of_task(width), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row) work(row);
+    });
+}
+
 /// Returns the sum of value(i) over all pixels i. Deterministic for any number of threads.
 template <class Value>
 double sum_of_pixels(Executor& executor, std::size_t pixels, const Value& value) {

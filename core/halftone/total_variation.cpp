@@ -42,16 +42,9 @@ public:
     }
 
 private:
-    template <class Work>
-    void for_rows(const Work& work) {
-        for_ranges(executor_, rows_, rows_of_task(static_cast<int>(columns_)), [&](std::size_t begin, std::size_t end) {
-            for (std::size_t row = begin; row < end; ++row) work(row);
-        });
-    }
-
     /// Sets the image to the values plus `strength` times the divergence of a dual field.
     void smooth(const std::vector<float>& x, const std::vector<float>& y) {
-        for_rows([&](std::size_t row) {
+        for_rows(executor_, static_cast<int>(columns_), rows_, [&](std::size_t row) {
             const std::size_t first = row * columns_;
             const float *across = x.data() + first, *down = y.data() + first, *value = values_.data() + first;
             const float* above = row > 0 ? down - columns_ : nullptr;
@@ -68,7 +61,7 @@ private:
     /// Takes a gradient step of the dual field, limits the lengths of its vectors to 1, and extrapolates it.
     void ascend(float momentum) {
         const float step = 1 / (8 * strength_);
-        for_rows([&](std::size_t row) {
+        for_rows(executor_, static_cast<int>(columns_), rows_, [&](std::size_t row) {
             const std::size_t first = row * columns_;
             const float* here = smooth_.data() + first;
             const float* below = row + 1 < rows_ ? here + columns_ : here;
