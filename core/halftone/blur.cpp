@@ -22,7 +22,7 @@ constexpr std::size_t kColumns = 256;
 /// Number of rows filtered together, as columns of their transpose.
 constexpr std::size_t kRows = 16;
 
-/// BoxFilter filter of 2 * reach + 1 equal weights, and one further weight at each end, smaller by the factor `end`.
+/// Box filter of 2 * reach + 1 equal weights, and one further weight at each end, smaller by the factor `end`.
 struct BoxFilter {
     /// Constructs the filter that has exactly the given variance, in squared pixels.
     explicit BoxFilter(double variance)

@@ -66,22 +66,36 @@ private:
     std::vector<BetweenPixels> across_, down_;
 };
 
-/// Returns the local spacing of the sites of a plan [grid], in cells of a grid, within limits.
-std::vector<float> spacings(const FieldPlan& plan, const CellGrid& grid, Executor& executor) {
-    constexpr double kNarrow = 0.7, kWide = 1.4, kWideIfLimited = 4;
-    const double pitch = std::sqrt(static_cast<double>(size_of(grid)) / std::max(plan.sites, 1.0));
-    const auto local = blurred(plan.density, plan.cells.columns, plan.cells.rows, plan.pitch(), executor);
-    const double mean =
-        sum_of_pixels(executor, local.size(), [&](std::size_t i) { return static_cast<double>(plan.density[i]); }) /
-        static_cast<double>(local.size());
-    const double wide = plan.is_limited ? kWideIfLimited : kWide;
-    auto lengths = Resampling(plan.cells, grid)(local, executor);
-    for_pixels(executor, lengths.size(), [&](std::size_t i) {
-        const double density = mean > 0 ? std::max(static_cast<double>(lengths[i]) / mean, 1e-6) : 1;
-        lengths[i] = static_cast<float>(pitch * std::clamp(1 / std::sqrt(density), kNarrow, wide));
-    });
-    return lengths;
-}
+/// The local spacing of the sites of a plan.
+class Spacings {
+public:
+    Spacings(const FieldPlan& plan, Executor& executor)
+        : plan_(plan),
+          executor_(executor),
+          density_(blurred(plan.density, plan.cells.columns, plan.cells.rows, plan.pitch(), executor)),
+          mean_(sum_of_pixels(executor, plan.density.size(),
+                              [&](std::size_t i) { return static_cast<double>(plan.density[i]); }) /
+                static_cast<double>(plan.density.size())) {}
+
+    /// Returns the spacing around each cell of a grid, in its cells, within limits.
+    std::vector<float> in(const CellGrid& grid) const {
+        constexpr double kNarrow = 0.7, kWide = 1.4, kWideIfLimited = 4;
+        const double pitch = std::sqrt(static_cast<double>(size_of(grid)) / std::max(plan_.sites, 1.0));
+        const double wide = plan_.is_limited ? kWideIfLimited : kWide;
+        auto lengths = Resampling(plan_.cells, grid)(density_, executor_);
+        for_pixels(executor_, lengths.size(), [&](std::size_t i) {
+            const double density = mean_ > 0 ? std::max(static_cast<double>(lengths[i]) / mean_, 1e-6) : 1;
+            lengths[i] = static_cast<float>(pitch * std::clamp(1 / std::sqrt(density), kNarrow, wide));
+        });
+        return lengths;
+    }
+
+private:
+    const FieldPlan& plan_;
+    Executor& executor_;
+    std::vector<float> density_;  ///< [plan's cells] around each cell
+    double mean_;
+};
 
 /// Blurs errors of ink over distances that follow the local spacing of sites.
 class ErrorBlur {
@@ -90,9 +104,11 @@ public:
     ErrorBlur(const FieldPlan& plan, const CellGrid& cells, Executor& executor) : cells_(cells), executor_(executor) {
         constexpr double kLeastIfHalved = 3.3;  // cells
         const CellGrid half{(cells.columns + 1) / 2, (cells.rows + 1) / 2};
-        step_ = spacings(plan, half, executor);
+        const Spacings spacings(plan, executor);
+        const auto narrowest = [&] { return static_cast<double>(*std::ranges::min_element(step_)); };
+        step_ = spacings.in(half);
         grid_ = 2 * narrowest() < kLeastIfHalved ? cells : half;
-        if (grid_ == cells) step_ = spacings(plan, cells, executor);
+        if (grid_ == cells) step_ = spacings.in(cells);
         least_ = narrowest();
         const auto of = [least = static_cast<float>(least_)](float length) { return std::log2(length / least); };
         steps_ = static_cast<int>(std::ceil(of(*std::ranges::max_element(step_)))) + 1;
@@ -134,8 +150,6 @@ public:
 private:
     /// Returns the size of the cells of the grid, in cells of the errors.
     double scale() const { return grid_ == cells_ ? 1 : 2; }
-
-    double narrowest() const { return static_cast<double>(*std::ranges::min_element(step_)); }
 
     /// Returns the means of blocks of two by two cells, of which the last ones may be cut.
     std::vector<float> halved(const std::vector<float>& values) const {
@@ -207,7 +221,8 @@ public:
           slope_(start.size()),
           executor_(executor) {
         find_slopes(start, least_slope);
-        move(0, std::vector<float>(threshold_.size()));
+        for_ranges(executor, threshold_.size(), kPixelsOfTask,
+                   [&](std::size_t begin, std::size_t end) { limit(begin, end); });
     }
 
     /// Measures the error of the ink, and moves the threshold.
@@ -231,7 +246,8 @@ public:
                        std::vector<float> row(columns);
                        for (std::size_t y = begin; y < end; ++y) {
                            resampling.row(change, y, row.data());
-                           move(y * columns, row);
+                           for (std::size_t x = 0; x < columns; ++x) threshold_[y * columns + x] += row[x];
+                           limit(y * columns, (y + 1) * columns);
                        }
                    });
     }
@@ -246,18 +262,15 @@ public:
     }
 
 private:
-    /// Changes the threshold of some cells. Keeps solid ink free of holes, bare paper free of dots, and the threshold
-    /// below its limit.
-    void move(std::size_t first, const std::vector<float>& change) {
+    /// Keeps the solid ink of some cells free of holes, bare paper free of dots, and the threshold below its limit.
+    void limit(std::size_t begin, std::size_t end) {
         constexpr float kNothing = 0.0005f;
-        float* const threshold = threshold_.data() + first;
-        const float* const light = light_.data() + first;
-        for (std::size_t i = 0; i < change.size(); ++i) {
-            const float moved = light[i] < kNothing ? kSolid : threshold[i] + change[i];
-            threshold[i] = light[i] > 1 - kNothing ? kBare : moved;
+        for (std::size_t i = begin; i < end; ++i) {
+            const float bounded = light_[i] < kNothing ? kSolid : threshold_[i];
+            threshold_[i] = light_[i] > 1 - kNothing ? kBare : bounded;
         }
         if (most_.empty()) return;
-        for (std::size_t i = 0; i < change.size(); ++i) threshold[i] = std::min(threshold[i], most_[first + i]);
+        for (std::size_t i = begin; i < end; ++i) threshold_[i] = std::min(threshold_[i], most_[i]);
     }
 
     void find_slopes(const std::vector<float>& start, float least) {

@@ -14,7 +14,7 @@ namespace ccdt {
 /// the triangle's shape, because barycentric coordinates keep ratios of areas. Its values along an edge do not depend
 /// on the triangle's third corner, so contours continue from triangle to triangle.
 ///
-/// Its contours near the value 1 are circles around the corners, up to the deformation of the triangle, and near 0
+/// Contours near the value 1 are circles around the corners, up to the deformation of the triangle. Contours near 0 are
 /// circles around the centroid. Dots of neighbouring corners join at the value 0.407.
 class SpotFunction {
 public:
