@@ -2,6 +2,7 @@
 #include "api/image/containers.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace ccdt::api {
 
@@ -13,6 +14,13 @@ std::optional<std::uint32_t> ByteReader::read(std::size_t offset, std::size_t si
         value = value << 8 | static_cast<unsigned char>(bytes_[at]);
     }
     return value;
+}
+
+std::optional<std::uint64_t> ByteReader::read_long(std::size_t offset) const {
+    const auto first = read(offset, 4), second = read(offset + 4, 4);
+    if (!first || !second) return std::nullopt;
+    const auto [high, low] = big_endian_ ? std::pair(*first, *second) : std::pair(*second, *first);
+    return std::uint64_t{high} << 32 | low;
 }
 
 std::optional<Chunk> png_chunk(std::string_view bytes, std::size_t at) {
@@ -52,10 +60,9 @@ std::optional<Chunk> media_box(std::string_view bytes, std::size_t at) {
     if (*size == kToTheEnd) whole = bytes.size() - at;
     if (*size == kLong) {
         head = 16;
-        const auto high = reader.read(at + 8, 4);
-        const auto low = reader.read(at + 12, 4);
-        if (!high || !low) return std::nullopt;
-        whole = std::uint64_t{*high} << 32 | *low;
+        const auto longer = reader.read_long(at + 8);
+        if (!longer) return std::nullopt;
+        whole = *longer;
     }
     if (whole < head) return std::nullopt;
     whole = std::min<std::uint64_t>(whole, bytes.size() - at);
@@ -192,11 +199,8 @@ std::size_t TiffDirectory::entry(std::size_t index) const {
 
 /// Reads an unsigned integer of 1, 2, 4 or 8 bytes.
 std::optional<std::uint64_t> TiffDirectory::integer(std::size_t at, std::size_t size) const {
-    const auto first = reader_.read(at, std::min<std::size_t>(size, 4));
-    if (size <= 4 || !first) return first;
-    const auto second = reader_.read(at + 4, 4);
-    if (!second) return std::nullopt;
-    return bytes_.starts_with("MM") ? std::uint64_t{*first} << 32 | *second : std::uint64_t{*second} << 32 | *first;
+    if (size == 8) return reader_.read_long(at);
+    return reader_.read(at, size);
 }
 
 std::optional<std::size_t> TiffDirectory::find(std::uint32_t tag) const {

@@ -18,6 +18,9 @@ public:
     /// @returns     none if the bytes are beyond the end of the file
     std::optional<std::uint32_t> read(std::size_t offset, std::size_t size) const;
 
+    /// Reads 8 bytes.
+    std::optional<std::uint64_t> read_long(std::size_t offset) const;
+
 private:
     std::string_view bytes_;
     bool big_endian_;
@@ -79,8 +82,8 @@ std::optional<JpegCoding> jpeg_coding(std::uint32_t marker);
 /// @param at  offset after the marker of the beginning of the JPEG
 std::optional<Segment> jpeg_frame(std::string_view bytes, std::size_t at = kJpegSegments);
 
-/// Returns the kind of a JPEG that the decoder does not read, as in "a JPEG with lossless coding"; empty if it reads
-/// this kind.
+/// Returns the kind of a JPEG that the decoder does not read, as in "a JPEG with 12 bits per channel"; empty if it
+/// reads this kind.
 std::string unread_jpeg(const Segment& frame);
 
 /// Returns a copy of a JPEG file without bytes between the segments before its first scan, with known values in these
