@@ -59,7 +59,7 @@ class Watch:
         self.thread = threading.Thread(target=self._look)
 
     def _look(self):
-        while not self.over.is_set():
+        while not self.over.wait(0.02):
             self.most = max(self.most, resident(self.process))
 
     def __enter__(self):
