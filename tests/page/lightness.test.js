@@ -136,20 +136,20 @@ for (const [title, kind, executablePath, args] of browsers) {
     after(() => browser.close());
 
     for (const ratio of [1, 2]) {
-      for (const [place, show] of Object.entries(places)) {
-        test(`${place}, ${ratio} to one`, async () => {
+      for (const [index, [place, show]] of Object.entries(places).entries()) {
+        // Half of the combinations contain all combinations of any three of browser, ratio, place and picture.
+        const name = pictures[((kind === "chrome") + ratio + index) % 2];
+        test(`${place}, ${ratio} to one, ${name}`, async () => {
           const page = await browser.newPage();
           page.setDefaultTimeout(patience);
           await page.setViewport({ ...(place === "the default answer" ? { width: 1300, height: 1300 } : screen), deviceScaleFactor: ratio });
-          for (const name of pictures) {
-            const box = Object.entries(await show(page, name)).map(([side, length]) => [side, Math.round(length * ratio) / ratio]);
-            const shot = await page.screenshot({ clip: Object.fromEntries(box), encoding: "base64", captureBeyondViewport: false });
-            const picture = (await readFile(path.join(data, "images", name))).toString("base64");
-            await page.goto("about:blank");
-            const difference = await page.evaluate(differenceIn, [shot, picture]);
-            console.log(`${title}, ${place}, ${ratio} to one, ${name}: ${difference.toFixed(2)}`);
-            assert.ok(Math.abs(difference) <= most, `${name}: L* differs by ${difference.toFixed(2)}`);
-          }
+          const box = Object.entries(await show(page, name)).map(([side, length]) => [side, Math.round(length * ratio) / ratio]);
+          const shot = await page.screenshot({ clip: Object.fromEntries(box), encoding: "base64", captureBeyondViewport: false });
+          const picture = (await readFile(path.join(data, "images", name))).toString("base64");
+          await page.goto("about:blank");
+          const difference = await page.evaluate(differenceIn, [shot, picture]);
+          console.log(`${title}, ${place}, ${ratio} to one, ${name}: ${difference.toFixed(2)}`);
+          assert.ok(Math.abs(difference) <= most, `L* differs by ${difference.toFixed(2)}`);
           await page.close();
         });
       }
