@@ -26,7 +26,7 @@ testing::AssertionResult wait_until(const std::string& what, const Condition& co
     const auto deadline = std::chrono::steady_clock::now() + kPatience;
     while (!condition()) {
         if (std::chrono::steady_clock::now() > deadline) return waited_in_vain(what);
-        std::this_thread::yield();
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     return testing::AssertionSuccess();
 }

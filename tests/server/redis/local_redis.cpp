@@ -9,6 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <thread>
@@ -79,7 +80,7 @@ void LocalRedis::start() {
         if (connection || connection.error().message.find("NOAUTH") != std::string::npos) return;
         ASSERT_LT(RedisConnection::Clock::now(), until) << "waited for redis-server: " << connection.error().message;
         ASSERT_EQ(waitpid(process_, nullptr, WNOHANG), 0) << "redis-server has ended; see " << folder_ << "/log";
-        std::this_thread::yield();
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
 }
 
