@@ -14,7 +14,7 @@ import threading
 import time
 import unittest
 
-from harness import NODE, PATIENCE, ROOT, Server, ask, data_uri, figures_at_rest, file_of, flat, join, wait_until
+from harness import NODE, PATIENCE, ROOT, Server, ask, data_uri, figures_at_rest, file_of, flat, join
 from raw import Raw
 
 GREY = file_of(flat(128))
@@ -258,12 +258,9 @@ class Files(PicturesCase):
 
         thread = threading.Thread(target=work)
         thread.start()
-        seen = set()
-        def is_over():
+        seen = {ask(self.server, CAT).status}
+        while not over.is_set():
             seen.add(ask(self.server, CAT).status)
-            return over.is_set()
-
-        wait_until(is_over, "the changes of the file")
         join(thread, "the changes of the file")
         self.assertLessEqual(seen, allowed)
         self.assertEqual(self.ask("/health/ready").json(), {"status": "ready"})
