@@ -41,7 +41,8 @@ def wait_until(condition, what=None):
     """Waits until a condition holds, and returns its value.
 
     `what` describes the condition in the message of a failure; by default, the message contains the source of the
-    condition. Takes at most a third of a processor from the program that it waits for.
+    condition. Pauses twice as long as the condition takes, within bounds, to leave the processor to the program that it
+    waits for.
     """
     start = time.monotonic()
     end = start + PATIENCE
@@ -49,7 +50,7 @@ def wait_until(condition, what=None):
         if (now := time.monotonic()) > end:
             what = what or inspect.getsource(condition).strip()
             raise AssertionError(f"waited {PATIENCE} s for: {what}\nlast value: {found!r}")
-        time.sleep(max(0.005, 2 * (now - start)))
+        time.sleep(min(max(0.005, 2 * (now - start)), 0.1))
         start = time.monotonic()
     return found
 
