@@ -2,6 +2,7 @@
 #include "core/halftone/field_drawing.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -9,7 +10,7 @@
 
 #include "core/halftone/bilinear.h"
 #include "core/halftone/blur.h"
-#include "core/halftone/diffusion.h"
+#include "core/halftone/dot_rounding.h"
 #include "core/halftone/level_outline.h"
 #include "core/halftone/pixel_ranges.h"
 #include "core/halftone/ring_reduction.h"
@@ -128,13 +129,16 @@ public:
         const double sigma = std::max(reach * least_, kLeast / scale());
         // A single blur has side lobes, which let a part of the dots' texture pass.
         const double part = sigma / std::numbers::sqrt2;
-        const auto columns = static_cast<std::size_t>(cells_.columns);
-        std::vector<float> values(size_of(cells_));
-        for_rows(executor_, cells_.columns, static_cast<std::size_t>(cells_.rows),
-                 [&](std::size_t y) { errors(y, values.data() + y * columns); });
-        // Errors are blurred before they are reduced: the texture of dots would become coarser otherwise.
-        blur(values, cells_.columns, cells_.rows, scale() * part, scratch_, executor_);
-        if (grid_ != cells_) values = halved(values);
+        std::vector<float> values(size_of(grid_));
+        if (grid_ == cells_) {
+            const auto columns = static_cast<std::size_t>(cells_.columns);
+            for_rows(executor_, cells_.columns, static_cast<std::size_t>(cells_.rows),
+                     [&](std::size_t y) { errors(y, values.data() + y * columns); });
+            widen(values, part);
+        } else {
+            halve(errors, values);
+            widen(values, std::sqrt(std::max(part * part - kVariance, 0.0)));
+        }
         widen(values, part);
         std::vector<float> result(values.size());
         for (int step = 0; step < steps_; ++step) {
@@ -151,19 +155,40 @@ private:
     /// Returns the size of the cells of the grid, in cells of the errors.
     double scale() const { return grid_ == cells_ ? 1 : 2; }
 
-    /// Returns the means of blocks of two by two cells, of which the last ones may be cut.
-    std::vector<float> halved(const std::vector<float>& values) const {
-        const auto columns = static_cast<std::size_t>(cells_.columns), last = static_cast<std::size_t>(cells_.rows - 1);
-        std::vector<float> means(size_of(grid_));
-        for_rows(executor_, grid_.columns, static_cast<std::size_t>(grid_.rows), [&](std::size_t y) {
-            const float* const upper = values.data() + 2 * y * columns;
-            const float* const lower = values.data() + std::min(2 * y + 1, last) * columns;
-            float* const row = means.data() + y * static_cast<std::size_t>(grid_.columns);
-            for (std::size_t x = 0; x < columns / 2; ++x)
-                row[x] = (upper[2 * x] + upper[2 * x + 1] + lower[2 * x] + lower[2 * x + 1]) / 4;
-            if (columns % 2 != 0) row[columns / 2] = (upper[columns - 1] + lower[columns - 1]) / 2;
-        });
-        return means;
+    /// Variance of the filter of halve(), in squared cells of the grid.
+    static constexpr double kVariance = 0.75 / 4;
+
+    /// Halves errors along both axes, with the weights 1, 3, 3, 1: hardly anything of the dots' texture becomes
+    /// coarser.
+    template <class Errors>
+    void halve(const Errors& errors, std::vector<float>& values) const {
+        const auto columns = static_cast<std::size_t>(cells_.columns), half = static_cast<std::size_t>(grid_.columns);
+        const auto weigh = [](float a, float b, float c, float d) { return (a + d + 3 * (b + c)) / 8; };
+        for_ranges(executor_, static_cast<std::size_t>(grid_.rows), rows_of_task(cells_.columns),
+                   [&](std::size_t begin, std::size_t end) {
+                       std::array<std::vector<float>, 4> rows;  // the last ones, in turns
+                       rows.fill(std::vector<float>(columns));
+                       std::vector<float> sums(columns + 3);  // with one more cell before the row and two after it
+                       const auto read = [&](std::size_t number) {  // of the row, plus one
+                           const std::size_t y = std::min(std::max<std::size_t>(number, 1) - 1,
+                                                          static_cast<std::size_t>(cells_.rows) - 1);
+                           errors(y, rows[number % 4].data());
+                       };
+                       read(2 * begin);
+                       read(2 * begin + 1);
+                       for (std::size_t y = begin; y < end; ++y) {
+                           read(2 * y + 2);
+                           read(2 * y + 3);
+                           const auto row = [&](std::size_t i) { return rows[(2 * y + i) % 4].data(); };
+                           const float *a = row(0), *b = row(1), *c = row(2), *d = row(3);
+                           for (std::size_t x = 0; x < columns; ++x) sums[x + 1] = weigh(a[x], b[x], c[x], d[x]);
+                           sums[0] = sums[1];
+                           sums[columns + 1] = sums[columns + 2] = sums[columns];
+                           float* const out = values.data() + y * half;
+                           for (std::size_t x = 0; x < half; ++x)
+                               out[x] = weigh(sums[2 * x], sums[2 * x + 1], sums[2 * x + 2], sums[2 * x + 3]);
+                       }
+                   });
     }
 
     void widen(std::vector<float>& values, double sigma) {
@@ -440,28 +465,6 @@ FieldDrawing::FieldDrawing(const FieldPlan& plan, std::span<const Point> sites, 
     }
 }
 
-namespace {
-
-/// Rounds nested rasters to 0 or 255. A pixel that an earlier raster covers is covered in all later ones. Of the
-/// others, later rasters cover a share that leads to the same mean.
-void diffuse_nested(std::vector<Raster>& rasters) {
-    std::vector<std::uint8_t> before(rasters.front().coverage.size(), 0), rounded = before;
-    for (auto& [width, height, radius, coverage] : rasters) {
-        for (std::size_t i = 0; i < coverage.size(); ++i) {
-            const unsigned earlier = std::exchange(before[i], coverage[i]), rest = 255 - earlier;
-            if (rounded[i] != 0 || rest == 0) {
-                coverage[i] = rounded[i];
-            } else {
-                coverage[i] = static_cast<std::uint8_t>((255 * (coverage[i] - earlier) + rest / 2) / rest);
-            }
-        }
-        diffuse(coverage, width, height);
-        rounded = coverage;
-    }
-}
-
-}  // namespace
-
 template <class Draw>
 void FieldDrawing::for_bands(const CellGrid& canvas, const Draw& draw) const {
     std::optional<SpotField> field;
@@ -498,21 +501,25 @@ void FieldDrawing::nest(std::vector<Raster>& rasters, std::size_t begin, std::si
 std::vector<Raster> FieldDrawing::rasters(int width, int height, bool antialias) const {
     // The sizes of larger dots are exact even if each pixel is black or white.
     constexpr double kLarge = 48;
-    const bool diffused = !antialias && pitch_ * width < kLarge;
+    const bool rounded = !antialias && pitch_ * width < kLarge;
     const CellGrid canvas{width, height};
     const auto columns = static_cast<std::size_t>(width);
     std::vector<Raster> rasters(thresholds_.size(), blank(canvas));
     const Resampling resampling(cells_, canvas);
     for_bands(canvas, [&](Band band, std::size_t begin, std::size_t end) {
         for (std::size_t c = 0; c < rasters.size(); ++c)
-            band.draw(starts_[c], thresholds_[c], resampling, least_slope(width), antialias || diffused, rasters[c]);
+            band.draw(starts_[c], thresholds_[c], resampling, least_slope(width), antialias || rounded, rasters[c]);
         nest(rasters, begin * columns, end * columns);
     });
-    if (!diffused) return rasters;
+    if (!rounded) return rasters;
     if (is_nested_) {
-        diffuse_nested(rasters);
+        std::span<const std::uint8_t> before;
+        for (Raster& raster : rasters) {
+            round_dots(raster.coverage, width, height, before);
+            before = raster.coverage;
+        }
     } else {
-        executor_.run(rasters.size(), [&](std::size_t c) { diffuse(rasters[c].coverage, width, height); });
+        executor_.run(rasters.size(), [&](std::size_t c) { round_dots(rasters[c].coverage, width, height); });
     }
     return rasters;
 }

@@ -38,7 +38,7 @@ public:
     /// of the boundary before.
     ///
     /// @param antialias  if false, pixels are 0 or 255. Where triangles have few pixels, rims are then rounded by
-    ///                   diffuse(), so that tones stay exact.
+    ///                   round_dots(), so that tones stay exact.
     /// @returns          [channels]
     std::vector<Raster> rasters(int width, int height, bool antialias) const;
 
