@@ -77,8 +77,9 @@ std::optional<Segment> jpeg_segment(std::string_view bytes, std::size_t at) {
     const std::uint32_t marker = *mark & 0xFF;
     const bool stands_alone = marker == 0x01 || (marker >= 0xD0 && marker <= 0xD9);
     if (stands_alone) return Segment{marker, {}, at, at + 2};
-    const auto length = reader.read(at + 2, 2);
-    if (!length || *length < 2) return std::nullopt;
+    auto length = reader.read(at + 2, 2);
+    if (!length) return std::nullopt;
+    length = std::max(*length, 2U);  // the length counts its own two bytes; decoders take 0 and 1 as empty
     return Segment{marker, bytes.substr(at + 4, *length - 2), at, at + 2 + *length};
 }
 
