@@ -73,7 +73,9 @@ ColourTags read_png(std::string_view bytes) {
         if (chunk->name == "gAMA") tags.gamma = read_gamma(chunk->data);
         if (chunk->name == "sRGB") is_srgb = true;
     }
-    if (is_srgb) {
+    constexpr std::uint8_t kUnspecified = 2;
+    const bool has_curve = tags.code_points && tags.code_points->transfer != kUnspecified;
+    if (is_srgb || has_curve || !tags.profile.empty()) {
         tags.primaries.reset();
         tags.gamma.reset();
     }

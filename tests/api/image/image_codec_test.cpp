@@ -514,6 +514,17 @@ TEST(ImageCodec, KeepsTheTransparentColourBeforeASuggestedPalette) {
     EXPECT_EQ(picture->alpha, (Plane{1, 1, 1, 0}));
 }
 
+TEST(ImageCodec, IgnoresTheGammaOfAPngWithBetterColourTags) {
+    using namespace std::string_literals;
+    const std::string code_points = with_chunk(fixture("noise.png"), "cICP", "\1\15\0\1"s);
+    for (const auto& file : {fixture("srgb.png"), code_points, with_chunk(fixture("noise.png"), "sRGB", "\0"s)}) {
+        const auto expected = decode_colour_image(file, kMaxPixels);
+        const auto picture = decode_colour_image(with_chunk(file, "gAMA", "\0\1\x86\xa0"s), kMaxPixels);
+        ASSERT_TRUE(expected && picture);
+        EXPECT_EQ(picture->green, expected->green);
+    }
+}
+
 TEST(ImageCodec, TakesVideoCurvesAsSrgb) {
     const std::string file = fixture("noise.png");
     const auto expected = decode_colour_image(file, kMaxPixels);
