@@ -143,6 +143,7 @@ std::optional<ColourConversion> read_matrix_profile(const Context& context, cons
     }
     conversion.matrix = light_matrix(context, profile.get());
     if (!conversion.matrix) return std::nullopt;
+    if (!is_srgb(conversion.curves[1])) conversion.grey = conversion.curves[1];
     return simplify(std::move(conversion));
 }
 
@@ -338,9 +339,7 @@ std::optional<ColourConversion> read_code_points(const Context& context, const C
                                                  const Handle& profile) {
     if (code.transfer == kPq || code.transfer == kHlg)
         return read_wide_range(WideRange::Curve{code.transfer}, light_matrix(context, profile.get()));
-    auto conversion = read_matrix_profile(context, profile);
-    if (conversion && !is_srgb(conversion->curves.front())) conversion->grey = conversion->curves.front();
-    return conversion;
+    return read_matrix_profile(context, profile);
 }
 
 /// Creates the conversion for a file that gives primaries but no profile. The curve remains that of the file format.

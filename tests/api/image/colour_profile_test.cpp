@@ -77,6 +77,15 @@ TEST(ColourProfile, ReadsTheCurveOfAGreyProfile) {
         EXPECT_NEAR(conversion->curves[0](share), std::pow(share, gamma), 1e-4) << share;
 }
 
+TEST(ColourProfile, AppliesTheCurveOfAnRgbProfileToGrey) {
+    EXPECT_FALSE(convert(profile_in("p3.png"))->grey) << "the curve is that of sRGB";
+    std::string profile = profile_in("p3.png");
+    const std::string power("curv\0\0\0\0\0\0\0\1\1\xcd", 14);  // with an exponent of 461 / 256
+    for (std::size_t at = 0; (at = profile.find("curv", at)) != std::string::npos; at += power.size())
+        profile.replace(at, power.size(), power);
+    EXPECT_NEAR(convert(profile)->grey(0.5F), std::pow(0.5F, 461.0F / 256), 1e-4);
+}
+
 /// Converts a colour of high dynamic range to light with the primaries of the file.
 std::array<float, 3> compressed(std::uint8_t transfer, std::array<float, 3> shares) {
     const auto conversion = convert_colours({{}, ColourTags::CodePoints{9, transfer}, {}});
