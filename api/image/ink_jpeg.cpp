@@ -10,6 +10,7 @@
 #include <jpeglib.h>
 
 #include "api/image/broken_image.h"
+#include "api/image/image_header.h"
 
 namespace ccdt::api {
 namespace {
@@ -81,6 +82,7 @@ Result<RowSource> open_ink_jpeg(std::string_view bytes) {
     source.height = file->height();
     source.channels = kInks;
     source.space = RowSource::Space::Inks;
+    source.orientation = exif_orientation(bytes, ImageFormat::Jpeg);
     source.step = kRows;
     source.read = [file](int begin, int end, void* rows) {
         return file->read(end - begin, static_cast<std::uint8_t*>(rows));

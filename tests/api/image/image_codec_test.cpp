@@ -82,6 +82,20 @@ TEST(ImageCodec, AppliesTheOrientation) {
     }
 }
 
+TEST(ImageCodec, AppliesTheOrientationToInksWithAndWithoutAProfile) {
+    using namespace std::string_literals;
+    const std::string mirrored =
+        "\xff\xe1\0\x22"s + "Exif\0\0MM\0*\0\0\0\x8\0\1"s + "\1\x12\0\3\0\0\0\1\0\2\0\0\0\0\0\0"s;
+    for (const auto* name : {"inks.jpg", "cmyk.jpg"}) {
+        const std::string file = fixture(name);
+        const auto expected = decode_image(file, kMaxPixels);
+        const auto picture = decode_image(file.substr(0, 2) + mirrored + file.substr(2), kMaxPixels);
+        ASSERT_TRUE(expected && picture) << name;
+        for (int x = 0; x < expected->width; ++x)
+            ASSERT_EQ(luminance_at(*picture, x, 0), luminance_at(*expected, expected->width - 1 - x, 0)) << name;
+    }
+}
+
 /// Returns the mean of a square of pixels.
 float mean_of_square(const Picture& picture, int side, int x, int y) {
     float sum = 0;
