@@ -146,6 +146,8 @@ Result<RowSource> open_avif(std::string_view bytes, const ImageHeader& header) {
     source.alpha = pixels->has_alpha() ? source.channels - 1 : -1;
     source.premultiplied = pixels->has_alpha() && image.alphaPremultiplied != AVIF_FALSE;
     source.sample = image.depth > 8 ? RowSource::Sample::Word : RowSource::Sample::Byte;
+    source.code_points = {static_cast<std::uint8_t>(image.colorPrimaries),
+                          static_cast<std::uint8_t>(image.transferCharacteristics)};
     source.orientation = orientation_of(image);
     source.step = kRows;
     source.read = [pixels, view, sample = source.sample](int begin, int end, void* rows) {

@@ -65,7 +65,7 @@ std::string repair(std::string_view bytes, ImageFormat format) {
 template <class AnyPicture>
 Result<AnyPicture> read_file(std::string_view bytes, const ImageHeader& header, const Reading& reading,
                              const NewPlane& make_plane) {
-    const ColourTags tags = read_colour_tags(bytes, header.format);
+    ColourTags tags = read_colour_tags(bytes, header.format);
     auto conversion = convert_colours(tags);
     const std::string repaired = repair(bytes, header.format);
     if (!repaired.empty()) bytes = repaired;
@@ -73,6 +73,10 @@ Result<AnyPicture> read_file(std::string_view bytes, const ImageHeader& header, 
     if (!copy.empty()) bytes = copy;
     auto source = open(bytes, header, conversion && conversion->space == ColourConversion::Space::Inks);
     if (!source) return tl::unexpected(source.error());
+    if (source->code_points && !tags.code_points && tags.profile.empty()) {
+        tags.code_points = source->code_points;
+        conversion = convert_colours(tags);
+    }
     if (tags.gamma) {
         source->curve = *tags.gamma == 1 ? RowSource::Curve::Linear : RowSource::Curve::Gamma;
         source->gamma = *tags.gamma;

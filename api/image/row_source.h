@@ -4,6 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
+
+#include "api/image/colour_tags.h"
 
 namespace ccdt::api {
 
@@ -23,7 +26,9 @@ struct RowSource {
     int alpha = -1;  ///< channel of alpha; -1: none
     bool premultiplied = false;
     Curve curve = Curve::Srgb;
-    float gamma = 1;      ///< exponent of Curve::Gamma
+    float gamma = 1;  ///< exponent of Curve::Gamma
+    /// Declared by the coded picture. They apply if the file around it declares no colours.
+    std::optional<ColourTags::CodePoints> code_points = {};
     int orientation = 1;  ///< orientation of EXIF, 1 to 8; other values are treated as 1, upright
     int step = 1;         ///< preferred number of rows to read at once
 

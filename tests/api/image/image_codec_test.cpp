@@ -387,6 +387,14 @@ TEST(ImageCodec, ReadsAvifsWithSound) {
     EXPECT_EQ(picture->luminance, expected->luminance);
 }
 
+TEST(ImageCodec, AppliesColoursThatOnlyTheCodedPictureDeclares) {
+    std::string file = fixture("p3-code-points.avif");
+    const auto expected = decode_colour_image(file, kMaxPixels);
+    const auto picture = decode_colour_image(file.replace(file.find("colr"), 4, "free"), kMaxPixels);
+    ASSERT_TRUE(expected && picture);
+    EXPECT_EQ(picture->red, expected->red);
+}
+
 TEST(ImageCodec, CropsAvifs) {
     const auto picture = decode_image(fixture("cropped.avif"), kMaxPixels);
     const auto whole = decode_image(fixture("lossless.avif"), kMaxPixels);
