@@ -243,6 +243,7 @@ Handle make_profile(const Context& context, const ColourTags::CodePoints& code) 
     };
     switch (code.primaries) {
         case 1:
+        case 2:  // unspecified
             return make(kD65, kSrgb);
         case 4:  // BT.470, system M
             return make(kC, {{0.67, 0.33, 1}, {0.21, 0.71, 1}, {0.14, 0.08, 1}});

@@ -121,6 +121,13 @@ TEST(ColourProfile, CompressesHighDynamicRange) {
     }
 }
 
+TEST(ColourProfile, TakesUnspecifiedPrimariesAsThoseOfSrgb) {
+    const auto conversion = convert_colours({{}, ColourTags::CodePoints{2, 16}, {}});
+    ASSERT_TRUE(conversion);
+    EXPECT_TRUE(conversion->transform);
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR((*conversion->matrix)[i][i], 1, 1e-3);
+}
+
 TEST(ColourProfile, UsesTheProfileInsteadOfUnsupportedCodePoints) {
     const ColourTags tags{profile_in("p3.png"), ColourTags::CodePoints{9, 9}, {}};  // logarithmic
     expect_p3(convert_colours(tags), "profile");
