@@ -13,7 +13,11 @@ Some differences are decisions:
 - HDR pictures (PQ, HLG) are mapped by the extended curve of Reinhard, and not by the curve of Chromium. This includes
   AVIFs with a gain map whose base is HDR.
 - The curves of video in a cICP are taken as that of sRGB. Chromium takes a power of 2.4, which makes greys darker.
+- The primaries in cHRM apply without gAMA, too. If cHRM is invalid, gAMA still applies.
+- A colour outside sRGB is mixed with grey of its luminance. Chromium clips each channel, which changes saturated colours.
+- CMYK with a profile has black point compensation, as in editors. Chromium shows black as lighter.
 - A PNG is turned upright by an eXIf after its pixels, too.
+- An orientation in EXIF may be an integer of 4 bytes, as in Pillow. Chromium requires 2.
 - A WebP with an orientation in EXIF is turned upright, which Chromium does not do.
 - A crop (clap) of an AVIF is applied, because HEIF requires it. Chromium shows the whole picture.
 - A layer that an AVIF selects (lsel) is shown. Chromium shows nothing.
