@@ -58,12 +58,7 @@ public:
             report();
         }
         if (settings_ && !stopping()) {
-            SitePolish polish(*mesh_, density_, capacity_, relaxation, control_.stop);
-            // Where the surface is folded, pushes cannot move all pairs apart, so sites are relocated. The rounds of
-            // the polish then remove the error of density that the relocation causes.
-            if (polish.is_any_nearer(settings_->least)) polish.separate(settings_->least);
-            run_schedule(*settings_, polish, control_.stop, [this] { ++round_, report(); });
-            mesh_->restore_delaunay(control_.stop);
+            if (auto spread = polish(relaxation)) replace_mesh(*std::move(spread));
             result_.polished = relaxation.variation();
         }
         if (options_.iterations > 0 && !stopping() && even_out_narrow_sites())
@@ -98,6 +93,19 @@ private:
             creases,  *control_.executor, control_.stop};
     }
 
+    /// @returns  new points of all sites, if some could only be moved apart without the triangulation
+    std::optional<std::vector<SurfacePoint>> polish(SiteRelaxation& relaxation) {
+        SitePolish steps(*mesh_, density_, capacity_, relaxation, control_.stop);
+        const double least = settings_->least;
+        // Where the surface is folded, pushes cannot move all pairs apart, so sites are relocated. The rounds of the
+        // polish then remove the error of density that the relocation causes.
+        if (steps.is_any_nearer(least)) steps.separate(least);
+        run_schedule(*settings_, steps, control_.stop, [this] { ++round_, report(); });
+        mesh_->restore_delaunay(control_.stop);
+        steps.is_any_nearer(least);
+        return stopping() ? std::nullopt : steps.spread(least);
+    }
+
     /// Evens out the sites where the surface is narrower than their spacing, and triangulates all sites anew.
     /// @returns  whether any site moved
     bool even_out_narrow_sites() {
@@ -107,10 +115,15 @@ private:
         if (!even_out_narrow_strips(surface_, density_, capacity_, spacings_at_vertices(), sites, *control_.executor,
                                     control_.stop))
             return false;
-        SurfaceTriangulation mesh = triangulated(std::move(sites), 0);
-        if (stopping()) return false;
-        *mesh_ = std::move(mesh);
-        return true;
+        return replace_mesh(std::move(sites));
+    }
+
+    /// Triangulates sites anew.
+    /// @returns  false after a stop, without any change
+    bool replace_mesh(std::vector<SurfacePoint> sites) {
+        SurfaceTriangulation mesh = triangulated(std::move(sites), mesh_->site_count() - mesh_->free_count());
+        if (!stopping()) *mesh_ = std::move(mesh);
+        return !stopping();
     }
 
     double spacing(const SurfacePoint& point, double capacity) const {

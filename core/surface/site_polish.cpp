@@ -69,16 +69,15 @@ bool SitePolish::keep_apart(std::uint32_t a, std::uint32_t b) const {
 }
 
 /// Whether two sites lie on different sheets, one above the other, that are nearly parallel.
-bool SitePolish::are_on_parallel_sheets(std::uint32_t a, std::uint32_t b) const {
+bool SitePolish::are_on_parallel_sheets(const SurfacePoint& from, const SurfacePoint& to) const {
     constexpr double kLeastCosine = 0.9;
     constexpr double kMostAside = 0.2;  // of the distance; more if the line along the surface ends at a border
     const Surface& surface = mesh_.surface();
-    const SurfacePoint &from = mesh_.on_surface(a), &to = mesh_.on_surface(b);
     if (surface.component(from.face) == surface.component(to.face)) return false;
-    const Point3 normal = mesh_.face_normal(b);
-    if (dot(mesh_.face_normal(a), normal) < kLeastCosine) return false;
-    const Point3 straight = mesh_.point(b) - mesh_.point(a), flat = straight - dot(straight, normal) * normal;
-    const Point3 apart = mesh_.point(b) - surface.place(surface.trace(from, flat));
+    const Point3 normal = surface.normal(to.face);
+    if (dot(surface.normal(from.face), normal) < kLeastCosine) return false;
+    const Point3 place = surface.place(to), straight = place - surface.place(from);
+    const Point3 apart = place - surface.place(surface.trace(from, straight - dot(straight, normal) * normal));
     const Point3 aside = apart - dot(apart, normal) * normal;
     return dot(aside, aside) <= kMostAside * kMostAside * dot(straight, straight);
 }
@@ -177,7 +176,7 @@ bool SitePolish::is_any_nearer(double least) {
                 if (other == v || dot(apart, apart) > limit) return true;
                 const double distance = 2 * length(apart) / (spacings_[v] + spacings_[other]);
                 if (distance >= reach) return true;
-                if (are_on_parallel_sheets(v, other)) return ++sheets < kMostSheets;
+                if (are_on_parallel_sheets(mesh_.on_surface(v), mesh_.on_surface(other))) return ++sheets < kMostSheets;
                 // The site with the larger spacing, and so with the longer reach, lists the pair.
                 const bool lists = std::pair(spacings_[v], v) > std::pair(spacings_[other], other);
                 const auto [a, b] = std::minmax(v, other);
@@ -258,6 +257,67 @@ void SitePolish::separate(double least) {
     if (std::erase_if(near_, touches) == 0) return;
     masses_.forget();
     flow_.reset();
+}
+
+/// Whether a triangle at a site touches a border or crease.
+bool SitePolish::is_beside_border(std::uint32_t site) const {
+    bool found = false;
+    mesh_.for_edges(site, [&](std::uint32_t h) {
+        if (mesh_.is_site(mesh_.target(h))) return;
+        mesh_.for_edges(mesh_.target(h), [&](std::uint32_t edge) { found = found || mesh_.twin(edge) == kNone; });
+    });
+    return found;
+}
+
+std::optional<std::vector<SurfacePoint>> SitePolish::spread(double least) const {
+    constexpr double kNear = 0.7;    // relative to the hexagonal distance; sites that are nearer are very near
+    constexpr double kAround = 6;    // spacings from a near pair to the farthest sites that move
+    constexpr double kReach = 1.05;  // of pushes, relative to `least`
+    constexpr int kRounds = 100;
+    const double spacing = hexagonal_spacing(1);
+    if (std::ranges::none_of(near_, [&](const NearPair& pair) { return pair.distance < kNear * spacing; })) return {};
+    const Surface& surface = mesh_.surface();
+    std::vector<SurfacePoint> points;
+    for (std::uint32_t v = 0; v < mesh_.site_count(); ++v) points.push_back(mesh_.on_surface(v));
+    // Sites around the near pairs, and those beyond which only push.
+    std::vector<std::uint8_t> role(points.size(), 0);
+    for (const NearPair& pair : near_) {
+        const std::uint32_t site = pair.sites[0];
+        const double around = kAround * spacings_[site];
+        cells_->for_near(mesh_.point(site), around + 2 * spacings_[site], [&](Point3 place, std::uint32_t v) {
+            const bool moves = length(place - mesh_.point(site)) < around && mesh_.is_free(v) && !is_beside_border(v);
+            role[v] = std::max<std::uint8_t>(role[v], moves ? 2 : 1);
+        });
+    }
+    if (std::ranges::find(role, 2) == role.end()) return {};
+    std::vector<std::uint32_t> sites;
+    for (std::uint32_t v = 0; v < role.size(); ++v) {
+        if (role[v] > 0) sites.push_back(v);
+    }
+    bool is_any_near = true;
+    for (int round = 0; round < kRounds && is_any_near && !stop_.stop_requested(); ++round) {
+        is_any_near = false;
+        std::vector<Point3> places, moves(sites.size());
+        for (const std::uint32_t v : sites) places.push_back(surface.place(points[v]));
+        const CellList3 cells(places);
+        for (std::uint32_t i = 0; i < sites.size(); ++i) {
+            const std::uint32_t v = sites[i];
+            if (role[v] < 2) continue;
+            const Point3 normal = surface.normal(points[v].face);
+            cells.for_near(places[i], kReach * least * spacing * spacings_[v], [&](Point3 place, std::uint32_t k) {
+                const Point3 apart = places[i] - place;
+                const double distance = length(apart);
+                const double wanted = least * spacing * (spacings_[v] + spacings_[sites[k]]) / 2;
+                if (k == i || !(distance > 0) || distance >= kReach * wanted) return;
+                const SurfacePoint& other = points[sites[k]];
+                if (is_sharp(normal, surface.normal(other.face)) || are_on_parallel_sheets(points[v], other)) return;
+                is_any_near = is_any_near || distance < wanted;
+                moves[i] = moves[i] + (kReach * wanted - distance) / (2 * distance) * apart;
+            });
+        }
+        for (std::uint32_t i = 0; i < sites.size(); ++i) points[sites[i]] = surface.trace(points[sites[i]], moves[i]);
+    }
+    return points;
 }
 
 }  // namespace ccdt

@@ -50,6 +50,11 @@ public:
     /// triangle, as far as possible from other sites. Every second call does nothing. Handles at most 16 pairs, plus
     /// one for each 256 sites. Only surfaces that are too rough for the spacing of the sites have more.
     void separate(double least);
+    /// Moves sites apart that the last call of is_any_nearer() found and that other steps cannot separate: where a tip
+    /// is thinner than the spacing, triangles cannot follow the surface. The sites follow the surface, but the mesh
+    /// does not change. Sites beside borders and creases stay where they are.
+    /// @returns  the new points of all sites; none if no two sites that can move are very near to each other
+    std::optional<std::vector<SurfacePoint>> spread(double least) const;
     void retouch() {}
     void remove_low_frequencies() {}
 
@@ -61,7 +66,8 @@ private:
 
     std::vector<std::uint32_t> wide_triangles(std::uint32_t site) const;
     bool keep_apart(std::uint32_t a, std::uint32_t b) const;
-    bool are_on_parallel_sheets(std::uint32_t a, std::uint32_t b) const;
+    bool are_on_parallel_sheets(const SurfacePoint& from, const SurfacePoint& to) const;
+    bool is_beside_border(std::uint32_t site) const;
     void measure_spacings();
     void apply();
 

@@ -70,6 +70,15 @@ Spacing spacing_of(const Surface& surface, const std::vector<Point3>& points) {
     return spacing;
 }
 
+/// Least distance in space of two sites on faces with normals less than 90 degrees apart, relative to the hexagonal
+/// distance.
+double least_of(const Surface& surface, const SurfaceDistribution& dots) {
+    std::vector<Point3> normals;
+    for (const SurfacePoint& point : dots.points) normals.push_back(surface.normal(point.face));
+    const double sites = static_cast<double>(dots.points.size());
+    return measure_spacing(places(surface, dots), normals, {}).min / hexagonal_spacing(sites / surface.total_area());
+}
+
 /// Checks that every edge of a closed mesh belongs to two triangles of opposite direction. Returns vertices - edges +
 /// triangles.
 int euler_characteristic(const SurfaceMesh& mesh) {
@@ -152,11 +161,8 @@ TEST(DistributeOnSurface, DependsNeitherOnNumbersNorOnTheSizeOfFaces) {
                 const auto dots = distributed(surface, {.sites = 5000, .seed = 2, .keep_mesh = true});
                 expect_shares(turned, surface, dots, static_cast<std::size_t>(count) * static_cast<std::size_t>(count));
                 EXPECT_LT(dots.variation(), 0.2);
-                std::vector<Point3> normals;
-                for (const SurfacePoint& point : dots.points) normals.push_back(surface.normal(point.face));
-                const double least = measure_spacing(places(surface, dots), normals, {}).min;
                 // Rounding decides about pairs on faces whose normals are exactly 90 degrees apart.
-                EXPECT_GT(least / hexagonal_spacing(5000 / surface.total_area()), crease ? 0 : 0.6);
+                EXPECT_GT(least_of(surface, dots), crease ? 0 : 0.6);
                 if (surface.border_edges() == 0) {
                     EXPECT_EQ(euler_characteristic(*dots.mesh), 2);
                 }
@@ -184,6 +190,32 @@ TEST(DistributeOnSurface, GivesTheFacesOfNeedlesAndPlatesTheirShares) {
             const auto dots = distributed(surface, {.sites = 3000, .seed = 1});
             expect_shares(soup, surface, dots, static_cast<std::size_t>(count) * static_cast<std::size_t>(count), 15);
             EXPECT_LT(dots.variation(), 0.2);
+        }
+    }
+}
+
+/// Returns a surface of length 12 with pointed ends, of radius 1 in the middle.
+TriangleSoup spindle_surface(int columns, int rows) {
+    return test::grid_surface(columns, rows, [](double u, double v) {
+        const double angle = u < 1 ? 2 * std::numbers::pi * u : 0, radius = std::pow(1 - std::abs(2 * v - 1), 3);
+        return Point3{radius * std::cos(angle), radius * std::sin(angle), 12 * v};
+    });
+}
+
+TEST(DistributeOnSurface, KeepsSitesApartAtThinTips) {
+    const std::pair<const char*, TriangleSoup> cases[] = {
+        {"bipyramid", bipyramid_surface(7, 10)},
+        {"triangular bipyramid of small faces", divided(bipyramid_surface(3, 10), 20)},
+        {"spindle", spindle_surface(24, 80)},
+    };
+    for (const auto& [name, soup] : cases) {
+        const Surface surface = surface_of(soup);
+        for (const std::uint64_t seed : {0, 1, 2, 3, 4}) {
+            SCOPED_TRACE(std::string(name) + ", seed " + std::to_string(seed));
+            const auto dots = distributed(surface, {.sites = 1000, .seed = seed, .keep_mesh = true});
+            EXPECT_GT(least_of(surface, dots), 0.7);
+            EXPECT_LT(dots.variation(), 0.15);
+            EXPECT_EQ(euler_characteristic(*dots.mesh), 2);
         }
     }
 }
