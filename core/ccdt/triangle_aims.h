@@ -22,6 +22,7 @@ struct CapacitySums {
     double targets = 0;
     double sum = 0;      ///< sum of capacities
     double squares = 0;  ///< sum of capacity^2 / target
+    double even = 0;     ///< sum of the targets of triangles that count as even, whatever their capacities are
 
     void add(double reached, double target) {
         targets += target;
@@ -33,6 +34,7 @@ struct CapacitySums {
         targets += other.targets;
         sum += other.sum;
         squares += other.squares;
+        even += other.even;
     }
 
     /// Returns the standard deviation of capacity / target, divided by the mean of capacity / target. Both are weighted
@@ -40,7 +42,7 @@ struct CapacitySums {
     double variation() const {
         if (!(sum > 0)) return 0;
         const double mean = sum / targets;
-        return std::sqrt(std::max(0.0, squares / targets - mean * mean)) / mean;
+        return std::sqrt(std::max(0.0, squares / targets - mean * mean) * targets / (targets + even)) / mean;
     }
 };
 
@@ -158,8 +160,9 @@ struct Aims {
 
 /// Returns the sums over all triangles, and the goals of the triangles with a corner that is not a free site.
 /// @param reached_by, weight_of  return the capacity and the weight of a triangle, in units of half a site's capacity
-template <class Mesh, class ReachedBy, class WeightOf>
-Aims find_aims(const Mesh& mesh, ReachedBy&& reached_by, const WeightOf& weight_of) {
+/// @param is_even                returns whether a triangle counts as even, whatever its capacity is
+template <class Mesh, class ReachedBy, class WeightOf, class IsEven>
+Aims find_aims(const Mesh& mesh, ReachedBy&& reached_by, const WeightOf& weight_of, const IsEven& is_even) {
     constexpr std::size_t kRange = 8192;   // triangles per task
     constexpr double kLeastTarget = 1e-9;  // smaller targets consist of rounding errors
     const std::size_t count = mesh.triangle_count();
@@ -169,14 +172,20 @@ Aims find_aims(const Mesh& mesh, ReachedBy&& reached_by, const WeightOf& weight_
         FacedLengths faced_lengths(mesh, weight_of);
         for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
             const double reached = reached_by(t);
+            const auto add = [&](double target) {
+                if (is_even(t))
+                    own.reached.even += target;
+                else
+                    own.reached.add(reached, target);
+            };
             if (std::ranges::all_of(mesh.corners(t), [&](std::uint32_t v) { return mesh.is_free(v); })) {
-                own.reached.add(reached, 1);
+                add(1);
                 continue;
             }
             const bool moves = is_any_free(mesh, t);  // otherwise no corner is free to move
             const TriangleGoal goal =
                 moves ? aim(mesh, t, weight_of, faced_lengths) : TriangleGoal{weight_of(t), reached, 1};
-            if (moves && goal.target >= kLeastTarget) own.reached.add(reached, goal.target);
+            if (moves && goal.target >= kLeastTarget) add(goal.target);
             own.triangles.push_back(t);
             own.goals.push_back(goal);
         }
@@ -189,6 +198,11 @@ Aims find_aims(const Mesh& mesh, ReachedBy&& reached_by, const WeightOf& weight_
         all.goals.insert(all.goals.end(), part.goals.begin(), part.goals.end());
     }
     return all;
+}
+
+template <class Mesh, class ReachedBy, class WeightOf>
+Aims find_aims(const Mesh& mesh, ReachedBy&& reached_by, const WeightOf& weight_of) {
+    return find_aims(mesh, reached_by, weight_of, [](std::uint32_t) { return false; });
 }
 
 }  // namespace ccdt

@@ -61,8 +61,13 @@ public:
             if (auto spread = polish(relaxation)) replace_mesh(*std::move(spread));
             result_.polished = relaxation.variation();
         }
-        if (options_.iterations > 0 && !stopping() && even_out_narrow_sites())
-            (result_.polished ? *result_.polished : result_.trace.back()) = relaxation.variation();
+        if (options_.iterations > 0 && !stopping()) {
+            const auto rows = even_out_narrow_sites();
+            if (!rows.empty()) {
+                (result_.polished ? *result_.polished : result_.trace.back()) = relaxation.variation(rows);
+                report();
+            }
+        }
         result_.stopped = stopping();
         collect();
         return std::move(result_);
@@ -107,15 +112,18 @@ private:
     }
 
     /// Evens out the sites where the surface is narrower than their spacing, and triangulates all sites anew.
-    /// @returns  whether any site moved
-    bool even_out_narrow_sites() {
-        if (!options_.fixed.empty() || !has_narrow_places(*mesh_)) return false;
+    /// @returns  whether each site moved [sites]; empty if none did
+    std::vector<std::uint8_t> even_out_narrow_sites() {
+        if (!options_.fixed.empty() || !has_narrow_places(*mesh_)) return {};
         std::vector<SurfacePoint> sites;
         for (std::uint32_t v = 0; v < options_.sites; ++v) sites.push_back(mesh_->on_surface(v));
         if (!even_out_narrow_strips(surface_, density_, capacity_, spacings_at_vertices(), sites, *control_.executor,
                                     control_.stop))
-            return false;
-        return replace_mesh(std::move(sites));
+            return {};
+        std::vector<std::uint8_t> moved;
+        for (std::uint32_t v = 0; v < options_.sites; ++v)
+            moved.push_back(surface_.place(sites[v]) != mesh_->point(v) ? 1 : 0);
+        return replace_mesh(std::move(sites)) ? moved : std::vector<std::uint8_t>{};
     }
 
     /// Triangulates sites anew.

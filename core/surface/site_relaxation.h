@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <stop_token>
 #include <vector>
 
@@ -24,7 +26,10 @@ public:
     SiteRelaxation(SurfaceTriangulation& mesh, const SurfaceDensity& density, double capacity);
 
     /// Sets the goals of all triangles. Returns the capacity variation of the current mesh. O(triangles).
-    double variation();
+    /// @param rows  [sites] whether even_out_narrow_strips() has moved a site; may be empty. Triangles whose sites it
+    /// has
+    ///              moved count as even, because their capacities depend on the width of the strip
+    double variation(std::span<const std::uint8_t> rows = {});
 
     /// Moves every free site `passes` times. The goals must have been set since edges last changed. Sites are moved in
     /// parallel; the result does not depend on the number of threads. O(sites * passes).

@@ -91,10 +91,12 @@ Point3 rotated(Point3 p, double angle) {
     return std::cos(angle) * p + std::sin(angle) * cross(axis, p) + (1 - std::cos(angle)) * dot(axis, p) * axis;
 }
 
-std::vector<Point3> distributed(const TriangleSoup& soup, const SurfaceOptions& options) {
+/// @param variation  receives the capacity variation if not null
+std::vector<Point3> distributed(const TriangleSoup& soup, const SurfaceOptions& options, double* variation = nullptr) {
     const Surface surface = Surface::create(soup, {}).value().surface;
     std::vector<Point3> places;
     const auto dots = distribute_on_surface(surface, SurfaceDensity::uniform(), options).value();
+    if (variation != nullptr) *variation = dots.variation();
     for (const SurfacePoint& point : dots.points) places.push_back(surface.to_input(surface.place(point)));
     return places;
 }
@@ -127,13 +129,15 @@ TEST(NarrowStrips, HaveEvenGaps) {
                 append(soup, line, spacings * spacings / kSites);
                 for (Point3& vertex : soup.vertices) vertex = rotated(vertex, static_cast<double>(seed));
                 const Quality quality = std::array{Quality::Standard, Quality::Draft, Quality::Best}[seed];
-                auto places = distributed(soup, {.sites = kSites, .seed = seed, .quality = quality});
+                double variation = 0;
+                auto places = distributed(soup, {.sites = kSites, .seed = seed, .quality = quality}, &variation);
                 for (Point3& place : places) place = rotated(place, -static_cast<double>(seed));
                 const auto found = gaps(line, places);
                 const std::string name = line.name + ' ' + std::to_string(line.segments()) + ", " +
                                          std::to_string(spacings) + " spacings, " + std::to_string(seed);
                 EXPECT_GT(std::ranges::min(found), 0.8) << name;
                 EXPECT_LT(std::ranges::max(found), 1.2) << name;
+                EXPECT_LT(variation, 0.2) << name;
             }
         }
     }
