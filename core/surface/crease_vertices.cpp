@@ -159,7 +159,8 @@ private:
     /// @param until  [edges + 1] length up to each vertex of the part
     void place_between(const std::vector<Step>& chain, std::size_t begin, const std::vector<double>& until,
                        double pieces) {
-        constexpr double kLeastShare = 1e-3;
+        constexpr double kLeast = 1e-3;  // distance from a vertex of the surface, relative to the edge and to a piece
+        const double least = kLeast * until.back() / pieces;
         std::size_t i = 0;
         for (double k = 1; k < pieces; ++k) {
             const double at = until.back() * k / pieces;
@@ -167,11 +168,12 @@ private:
             const double side = until[i + 1] - until[i];
             const double share = side > 0 ? (at - until[i]) / side : 0;
             const Step& step = chain[begin + i];
-            if (share < kLeastShare || share > 1 - kLeastShare) {
-                chosen_.corner[share < kLeastShare ? step.from : step.to] = 1;
-            } else {
+            if (share < kLeast && at - until[i] < least)
+                chosen_.corner[step.from] = 1;
+            else if (share > 1 - kLeast && until[i + 1] - at < least)
+                chosen_.corner[step.to] = 1;
+            else
                 chosen_.added.push_back({step.edge, step.reversed ? 1 - share : share});
-            }
         }
     }
 

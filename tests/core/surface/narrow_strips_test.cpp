@@ -143,6 +143,20 @@ TEST(NarrowStrips, HaveEvenGaps) {
     }
 }
 
+TEST(NarrowStrips, HaveEvenGapsOnOneLongFace) {
+    constexpr std::size_t kSites = 2000;
+    for (const double spacings : {0.01, 0.6}) {
+        const Line line = straight(1);
+        TriangleSoup soup;
+        append(soup, line, spacings * spacings / kSites);
+        double variation = 0;
+        const auto found = gaps(line, distributed(soup, {.sites = kSites}, &variation));
+        EXPECT_GT(std::ranges::min(found), 0.8) << spacings;
+        EXPECT_LT(std::ranges::max(found), 1.2) << spacings;
+        EXPECT_LT(variation, 0.2) << spacings;
+    }
+}
+
 TEST(NarrowStrips, KeepTheSharesOfComponents) {
     constexpr std::size_t kStrips = 10, kSites = 3;
     TriangleSoup soup;
