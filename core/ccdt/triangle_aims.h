@@ -42,7 +42,8 @@ struct CapacitySums {
     double variation() const {
         if (!(sum > 0)) return 0;
         const double mean = sum / targets;
-        return std::sqrt(std::max(0.0, squares / targets - mean * mean) * targets / (targets + even)) / mean;
+        const double uneven = targets / (targets + even);
+        return std::sqrt(std::max(0.0, squares / targets - mean * mean) * uneven) / mean;
     }
 };
 
