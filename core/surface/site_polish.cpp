@@ -2,6 +2,7 @@
 #include "core/surface/site_polish.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -269,19 +270,41 @@ bool SitePolish::is_beside_border(std::uint32_t site) const {
     return found;
 }
 
+/// Whether the surface around a site is thinner than the spacing: a short line leads to its other side.
+bool SitePolish::is_thin_around(std::uint32_t site) const {
+    constexpr std::array kLengths{0.5, 1.0, 1.5};  // spacings
+    constexpr double kOtherSide = -0.3;            // cosine between normals, which is 0 at the edges of a cube
+    const Surface& surface = mesh_.surface();
+    const SurfacePoint& from = mesh_.on_surface(site);
+    const Point3 normal = surface.normal(from.face);
+    for (int way = 0; way < 27; ++way) {
+        const Point3 along{way % 3 - 1.0, way / 3 % 3 - 1.0, way / 9 - 1.0};
+        for (const double spacings : kLengths) {
+            const double reach = spacings * spacings_[site] / std::max(length(along), 1.0);
+            const SurfacePoint end = surface.trace(from, reach * along);
+            if (dot(normal, surface.normal(end.face)) < kOtherSide) return true;
+        }
+    }
+    return false;
+}
+
 std::optional<std::vector<SurfacePoint>> SitePolish::spread(double least) const {
     constexpr double kNear = 0.7;    // relative to the hexagonal distance; sites that are nearer are very near
     constexpr double kAround = 6;    // spacings from a near pair to the farthest sites that move
     constexpr double kReach = 1.05;  // of pushes, relative to `least`
     constexpr int kRounds = 100;
     const double spacing = hexagonal_spacing(1);
-    if (std::ranges::none_of(near_, [&](const NearPair& pair) { return pair.distance < kNear * spacing; })) return {};
+    std::vector<NearPair> pairs = near_;
+    std::erase_if(pairs, [&](const NearPair& pair) {
+        return !(pair.distance < kNear * spacing && is_thin_around(pair.sites[0]));
+    });
+    if (pairs.empty()) return {};
     const Surface& surface = mesh_.surface();
     std::vector<SurfacePoint> points;
     for (std::uint32_t v = 0; v < mesh_.site_count(); ++v) points.push_back(mesh_.on_surface(v));
     // Sites around the near pairs, and those beyond which only push.
     std::vector<std::uint8_t> role(points.size(), 0);
-    for (const NearPair& pair : near_) {
+    for (const NearPair& pair : pairs) {
         const std::uint32_t site = pair.sites[0];
         const double around = kAround * spacings_[site];
         cells_->for_near(mesh_.point(site), around + 2 * spacings_[site], [&](Point3 place, std::uint32_t v) {

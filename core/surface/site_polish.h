@@ -53,7 +53,7 @@ public:
     /// Moves sites apart that the last call of is_any_nearer() found and that other steps cannot separate: where a tip
     /// is thinner than the spacing, triangles cannot follow the surface. The sites follow the surface, but the mesh
     /// does not change. Sites beside borders and creases stay where they are.
-    /// @returns  the new points of all sites; none if no two sites that can move are very near to each other
+    /// @returns  the new points of all sites; none if no two sites that can move are very near to each other at a tip
     std::optional<std::vector<SurfacePoint>> spread(double least) const;
     void retouch() {}
     void remove_low_frequencies() {}
@@ -68,6 +68,7 @@ private:
     bool keep_apart(std::uint32_t a, std::uint32_t b) const;
     bool are_on_parallel_sheets(const SurfacePoint& from, const SurfacePoint& to) const;
     bool is_beside_border(std::uint32_t site) const;
+    bool is_thin_around(std::uint32_t site) const;
     void measure_spacings();
     void apply();
 
