@@ -86,6 +86,7 @@ Result<std::vector<Distribution>> InkConstructions::execute() {
     for (Construction* construction : constructions_) {
         if (auto finished = construction->finish(); !finished) return tl::unexpected(finished.error());
     }
+    if (!stopping() && std::ranges::any_of(constructions_, &Construction::has_rows)) report();
     return collect();
 }
 

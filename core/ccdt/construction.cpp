@@ -161,10 +161,11 @@ std::vector<Point> Construction::even_start() {
 double Construction::measure(const Triangulation& mesh) {
     const double total = fixed_.sites > 0 ? site_share() * static_cast<double>(mesh.site_count()) * capacity_.total()
                                           : capacity_.total();
-    if (capacity_.is_uniform()) return set_even_goals(mesh, total, goals_);
+    if (capacity_.is_uniform() && in_row_.empty()) return set_even_goals(mesh, total, goals_);
     std::vector<double> capacities = goals_.release_weights();
     capacity_.of_triangles(mesh, capacities, stop_);
     if (stopping()) return 0;
+    if (!in_row_.empty()) return variation_beside_rows(mesh, total, capacity_.densest(), capacities, in_row_);
     return set_goals(mesh, total, capacity_.densest(), std::move(capacities), goals_);
 }
 
@@ -293,8 +294,12 @@ Result<bool> Construction::move_single_sites() {
     if (!is_narrow && !clears_gaps) return false;
     const auto all = placed_->mesh.points().begin();
     std::vector<Point> sites(all, all + static_cast<std::ptrdiff_t>(options_.sites));
-    bool moved =
-        is_narrow && even_out_narrow_places(domain_, capacity_, sites, capacity_.total() * site_share(), stop_);
+    bool moved = false;
+    if (is_narrow && even_out_narrow_places(domain_, capacity_, sites, capacity_.total() * site_share(), stop_)) {
+        for (std::size_t i = 0; i < sites.size(); ++i)
+            in_row_.push_back(sites[i] != all[static_cast<std::ptrdiff_t>(i)]);
+        moved = true;
+    }
     if (clears_gaps) {
         for (Point& site : sites) {
             const Point corner = support_.box_corner(site), place = site - corner;

@@ -67,7 +67,9 @@ public:
     std::size_t sites() const { return options_.sites; }
     bool is_uniform() const { return density_.is_uniform(); }
     int iterations() const { return result_.iterations; }
-    double variation() const { return result_.trace.back(); }
+    double variation() const { return result_.variation(); }
+    /// Whether finish() placed sites in rows.
+    bool has_rows() const { return !in_row_.empty(); }
 
 private:
     bool stopping() const { return stop_.stop_requested(); }
@@ -98,6 +100,7 @@ private:
     std::optional<MeshPolish> polish_;
     std::optional<Relaxation> relaxation_;
     TriangleGoals goals_;
+    std::vector<std::uint8_t> in_row_;  ///< [sites] whether a narrow place determines the site; empty: none
     Distribution result_;
 };
 

@@ -37,8 +37,12 @@ public:
     }
 
     Aims aims() const {
+        return aims([](std::uint32_t) { return false; });
+    }
+    template <class IsEven>
+    Aims aims(const IsEven& is_even) const {
         return find_aims(
-            mesh_, [this](std::uint32_t t) { return reached_by(t); }, *this);
+            mesh_, [this](std::uint32_t t) { return reached_by(t); }, *this, is_even);
     }
 
 private:
@@ -103,6 +107,15 @@ double set_even_goals(const Triangulation& mesh, double total, TriangleGoals& go
         goals = std::move(each);
     }
     return aims.reached.variation();
+}
+
+double variation_beside_rows(const Triangulation& mesh, double total, double densest,
+                             const std::vector<double>& capacities, std::span<const std::uint8_t> in_row) {
+    const auto is_even = [&](std::uint32_t t) {
+        return std::ranges::all_of(mesh.corners(t),
+                                   [&](std::uint32_t v) { return v >= in_row.size() || in_row[v] != 0; });
+    };
+    return Weights(mesh, total, densest, capacities).aims(is_even).reached.variation();
 }
 
 }  // namespace ccdt

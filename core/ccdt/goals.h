@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/ccdt/capacity_integral.h"
@@ -47,5 +49,12 @@ double set_goals(const Triangulation& mesh, double total, double densest, std::v
 /// all triangles between free sites have the same goal.
 /// @param total  area of the unit frame that the sites share
 double set_even_goals(const Triangulation& mesh, double total, TriangleGoals& goals);
+
+/// Returns the capacity variation; see set_goals(). The targets of triangles assume that rows of sites continue beside
+/// a row, so where the domain is narrower than the spacing, they would tell its width.
+/// @param in_row  [sites] whether a site lies in a row with equal capacities. Triangles between such sites and vertices
+///                on borders count as even
+double variation_beside_rows(const Triangulation& mesh, double total, double densest,
+                             const std::vector<double>& capacities, std::span<const std::uint8_t> in_row);
 
 }  // namespace ccdt

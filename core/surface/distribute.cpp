@@ -57,16 +57,16 @@ public:
             result_.trace.push_back(relaxation.variation());
             report();
         }
-        if (settings_ && !stopping()) {
+        NarrowSites narrow = narrow_sites();
+        // Where all sites lie in rows, they are final.
+        if (settings_ && !stopping() && !narrow.are_all_moved()) {
             if (auto spread = polish(relaxation)) replace_mesh(*std::move(spread));
             result_.polished = relaxation.variation();
+            narrow = narrow_sites();
         }
-        if (options_.iterations > 0 && !stopping()) {
-            const auto rows = even_out_narrow_sites();
-            if (!rows.empty()) {
-                (result_.polished ? *result_.polished : result_.trace.back()) = relaxation.variation(rows);
-                report();
-            }
+        if (narrow.is_any_moved() && replace_mesh(std::move(narrow.points))) {
+            (settings_ ? result_.polished.emplace() : result_.trace.back()) = relaxation.variation(narrow.moved);
+            report();
         }
         result_.stopped = stopping();
         collect();
@@ -111,19 +111,25 @@ private:
         return stopping() ? std::nullopt : steps.spread(least);
     }
 
-    /// Evens out the sites where the surface is narrower than their spacing, and triangulates all sites anew.
-    /// @returns  whether each site moved [sites]; empty if none did
-    std::vector<std::uint8_t> even_out_narrow_sites() {
-        if (!options_.fixed.empty() || !has_narrow_places(*mesh_)) return {};
-        std::vector<SurfacePoint> sites;
-        for (std::uint32_t v = 0; v < options_.sites; ++v) sites.push_back(mesh_->on_surface(v));
-        if (!even_out_narrow_strips(surface_, density_, capacity_, spacings_at_vertices(), sites, *control_.executor,
-                                    control_.stop))
+    /// Sites that are evened out where the surface is narrower than their spacing.
+    struct NarrowSites {
+        std::vector<SurfacePoint> points;  ///< [sites]
+        std::vector<std::uint8_t> moved;   ///< [sites] whether each one moves; empty: none does
+
+        bool is_any_moved() const { return !moved.empty(); }
+        bool are_all_moved() const { return is_any_moved() && std::ranges::find(moved, 0) == moved.end(); }
+    };
+
+    NarrowSites narrow_sites() const {
+        if (options_.iterations == 0 || stopping() || !options_.fixed.empty() || !has_narrow_places(*mesh_)) return {};
+        NarrowSites sites;
+        for (std::uint32_t v = 0; v < options_.sites; ++v) sites.points.push_back(mesh_->on_surface(v));
+        if (!even_out_narrow_strips(surface_, density_, capacity_, spacings_at_vertices(), sites.points,
+                                    *control_.executor, control_.stop))
             return {};
-        std::vector<std::uint8_t> moved;
         for (std::uint32_t v = 0; v < options_.sites; ++v)
-            moved.push_back(surface_.place(sites[v]) != mesh_->point(v) ? 1 : 0);
-        return replace_mesh(std::move(sites)) ? moved : std::vector<std::uint8_t>{};
+            sites.moved.push_back(surface_.place(sites.points[v]) != mesh_->point(v) ? 1 : 0);
+        return sites;
     }
 
     /// Triangulates sites anew.
