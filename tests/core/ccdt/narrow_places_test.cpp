@@ -165,7 +165,8 @@ TEST(NarrowPlaces, AreFoundInStripsOnly) {
         Distribution result = distribute(domain, Density::uniform(), options).value();
         for (Point& p : result.points) p = domain.to_unit(p);
         const auto before = result.points;
-        const CapacityIntegral capacity(domain, Density::uniform());
+        const Density density = Density::uniform();
+        const CapacityIntegral capacity(domain, density);
         const bool moved =
             even_out_narrow_places(domain, capacity, result.points, capacity.total() / static_cast<double>(sites), {});
         EXPECT_EQ(moved, result.points != before);
