@@ -5,6 +5,7 @@ import io
 import json
 import unittest
 import zipfile
+from random import Random
 
 from harness import PICTURES, Server, ServerCase, ask, data_uri, file_of, flat, post_json
 
@@ -376,12 +377,16 @@ class Log(unittest.TestCase):
         self.assertTrue(all("time" in line and "level" in line for line in lines))
 
     def test_warns_of_points_that_are_not_spread_evenly(self):
-        needle = {"sites": 1000, "domain": {"type": "rectangle", "width": 1e6, "height": 1}}
+        side, random = 128, Random(1)
+        # Specks that are smaller than the spacing of the points.
+        values = [1 if random.random() < 0.02 else 0.001 for _ in range(side * side)]
+        even = {"sites": 1000, "domain": {"type": "rectangle", "width": 1, "height": 1}}
+        specks = {**even, "density": {"width": side, "height": side, "values": values}}
         with Server("--log-format=json") as server:
-            self.assertGreater(post_json(server, "/sample", needle).json()["variation"], 0.5)
-            post_json(server, "/sample", {**needle, "iterations": 4})
-            post_json(server, "/sample", {**needle, "domain": {"type": "rectangle", "width": 1, "height": 1}})
-            post_json(server, "/sample", {**needle, "seed": 1}, "--header", "Prefer: respond-async")
+            self.assertGreater(post_json(server, "/sample", specks).json()["variation"], 0.5)
+            post_json(server, "/sample", {**specks, "iterations": 4})
+            post_json(server, "/sample", even)
+            post_json(server, "/sample", {**specks, "seed": 1}, "--header", "Prefer: respond-async")
             server.wait_for_log('"message":"job"')
             self.assertEqual(server.stop(), 0)
             lines = [json.loads(line) for line in server.log().splitlines()]
