@@ -161,12 +161,11 @@ std::vector<Point> Construction::even_start() {
 double Construction::measure(const Triangulation& mesh) {
     const double total = fixed_.sites > 0 ? site_share() * static_cast<double>(mesh.site_count()) * capacity_.total()
                                           : capacity_.total();
-    if (capacity_.is_uniform() && in_row_.empty()) return set_even_goals(mesh, total, goals_);
+    if (capacity_.is_uniform()) return set_even_goals(mesh, total, goals_, in_row_);
     std::vector<double> capacities = goals_.release_weights();
     capacity_.of_triangles(mesh, capacities, stop_);
     if (stopping()) return 0;
-    if (!in_row_.empty()) return variation_beside_rows(mesh, total, capacity_.densest(), capacities, in_row_);
-    return set_goals(mesh, total, capacity_.densest(), std::move(capacities), goals_);
+    return set_goals(mesh, total, capacity_.densest(), std::move(capacities), goals_, in_row_);
 }
 
 /// Whether an iteration uses exact passes. Exact passes cost more, and help only once the sites are near their final

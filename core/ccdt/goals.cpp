@@ -36,13 +36,9 @@ public:
         return area > 0 ? std::min(reached_by(t) / area, largest_) : largest_;
     }
 
-    Aims aims() const {
-        return aims([](std::uint32_t) { return false; });
-    }
-    template <class IsEven>
-    Aims aims(const IsEven& is_even) const {
+    Aims aims(std::span<const std::uint8_t> in_row = {}) const {
         return find_aims(
-            mesh_, [this](std::uint32_t t) { return reached_by(t); }, *this, is_even);
+            mesh_, [this](std::uint32_t t) { return reached_by(t); }, *this, in_row);
     }
 
 private:
@@ -78,9 +74,9 @@ double set_goals(const Triangulation& mesh, double total, double densest, const 
 }
 
 double set_goals(const Triangulation& mesh, double total, double densest, std::vector<double> capacities,
-                 TriangleGoals& goals) {
+                 TriangleGoals& goals, std::span<const std::uint8_t> in_row) {
     const Weights weights(mesh, total, densest, capacities);
-    Aims aims = weights.aims();
+    Aims aims = weights.aims(in_row);
     if (!are_rare(aims, mesh.triangle_count())) {
         std::vector<TriangleGoal> each = goals.release();
         set_each(mesh, aims, weights, each);
@@ -94,11 +90,12 @@ double set_goals(const Triangulation& mesh, double total, double densest, std::v
     return aims.reached.variation();
 }
 
-double set_even_goals(const Triangulation& mesh, double total, TriangleGoals& goals) {
+double set_even_goals(const Triangulation& mesh, double total, TriangleGoals& goals,
+                      std::span<const std::uint8_t> in_row) {
     const double weight = unit_of(mesh, total) / 2;
     const auto weight_of = [&](std::uint32_t) { return weight; };
     const auto reached_by = [&](std::uint32_t t) { return weight * std::max(0.0, mesh.doubled_area(t)); };
-    Aims aims = find_aims(mesh, reached_by, weight_of);
+    Aims aims = find_aims(mesh, reached_by, weight_of, in_row);
     if (are_rare(aims, mesh.triangle_count())) {
         goals = {TriangleGoal{weight, 1, 1}, std::move(aims.triangles), std::move(aims.goals)};
     } else {
@@ -107,15 +104,6 @@ double set_even_goals(const Triangulation& mesh, double total, TriangleGoals& go
         goals = std::move(each);
     }
     return aims.reached.variation();
-}
-
-double variation_beside_rows(const Triangulation& mesh, double total, double densest,
-                             const std::vector<double>& capacities, std::span<const std::uint8_t> in_row) {
-    const auto is_even = [&](std::uint32_t t) {
-        return std::ranges::all_of(mesh.corners(t),
-                                   [&](std::uint32_t v) { return v >= in_row.size() || in_row[v] != 0; });
-    };
-    return Weights(mesh, total, densest, capacities).aims(is_even).reached.variation();
 }
 
 }  // namespace ccdt

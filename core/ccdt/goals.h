@@ -42,19 +42,16 @@ double set_goals(const Triangulation& mesh, double total, double densest, const 
 
 /// Sets the goals in compact form, and returns the capacity variation; see the first overload. If few triangles have
 /// goals of their own, the memory of `capacities` is reused for the weights of the other triangles.
+/// @param in_row  [sites] whether a site lies in a row with equal capacities; may be empty. In the variation, triangles
+///                whose sites all do count as even; see find_aims()
 double set_goals(const Triangulation& mesh, double total, double densest, std::vector<double> capacities,
-                 TriangleGoals& goals);
+                 TriangleGoals& goals, std::span<const std::uint8_t> in_row = {});
 
 /// Sets the goals for a uniform density, and returns the capacity variation; see set_goals(). Capacities are areas, so
 /// all triangles between free sites have the same goal.
-/// @param total  area of the unit frame that the sites share
-double set_even_goals(const Triangulation& mesh, double total, TriangleGoals& goals);
-
-/// Returns the capacity variation; see set_goals(). The targets of triangles assume that rows of sites continue beside
-/// a row, so where the domain is narrower than the spacing, they would tell its width.
-/// @param in_row  [sites] whether a site lies in a row with equal capacities. Triangles between such sites and vertices
-///                on borders count as even
-double variation_beside_rows(const Triangulation& mesh, double total, double densest,
-                             const std::vector<double>& capacities, std::span<const std::uint8_t> in_row);
+/// @param total   area of the unit frame that the sites share
+/// @param in_row  as for set_goals()
+double set_even_goals(const Triangulation& mesh, double total, TriangleGoals& goals,
+                      std::span<const std::uint8_t> in_row = {});
 
 }  // namespace ccdt

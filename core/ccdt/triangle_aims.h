@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -161,12 +162,20 @@ struct Aims {
 
 /// Returns the sums over all triangles, and the goals of the triangles with a corner that is not a free site.
 /// @param reached_by, weight_of  return the capacity and the weight of a triangle, in units of half a site's capacity
-/// @param is_even                returns whether a triangle counts as even, whatever its capacity is
-template <class Mesh, class ReachedBy, class WeightOf, class IsEven>
-Aims find_aims(const Mesh& mesh, ReachedBy&& reached_by, const WeightOf& weight_of, const IsEven& is_even) {
+/// @param in_row                 [sites] whether a site lies in a row with equal capacities; may be empty. Triangles
+///                               whose sites all do count as even: targets assume that rows continue beside a row, so
+///                               where the domain is narrower than the spacing, they would tell its width
+template <class Mesh, class ReachedBy, class WeightOf>
+Aims find_aims(const Mesh& mesh, ReachedBy&& reached_by, const WeightOf& weight_of,
+               std::span<const std::uint8_t> in_row = {}) {
     constexpr std::size_t kRange = 8192;   // triangles per task
     constexpr double kLeastTarget = 1e-9;  // smaller targets consist of rounding errors
     const std::size_t count = mesh.triangle_count();
+    const auto is_even = [&](std::uint32_t t) {
+        return !in_row.empty() && std::ranges::all_of(mesh.corners(t), [&](std::uint32_t v) {
+            return !mesh.is_site(v) || in_row[v] != 0;
+        });
+    };
     std::vector<Aims> parts((count + kRange - 1) / kRange);
     for_ranges(mesh.executor(), count, kRange, [&](std::size_t begin, std::size_t end) {
         Aims own;
@@ -199,11 +208,6 @@ Aims find_aims(const Mesh& mesh, ReachedBy&& reached_by, const WeightOf& weight_
         all.goals.insert(all.goals.end(), part.goals.begin(), part.goals.end());
     }
     return all;
-}
-
-template <class Mesh, class ReachedBy, class WeightOf>
-Aims find_aims(const Mesh& mesh, ReachedBy&& reached_by, const WeightOf& weight_of) {
-    return find_aims(mesh, reached_by, weight_of, [](std::uint32_t) { return false; });
 }
 
 }  // namespace ccdt

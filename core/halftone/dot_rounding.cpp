@@ -79,7 +79,8 @@ private:
     }
 
     void pass_inwards(std::size_t pixel) {
-        // A pixel becomes unlike its share only if all others of its dot together fill or empty it.
+        // A pixel of less than a half is covered only if it has received a whole pixel, and one of more is bare only if
+        // it has given all.
         const float least = shares_[pixel] <= kFull / 2 ? kFull - 1 : 0;
         const float rounded = must_cover(pixel) || values_[pixel] > least ? kFull : 0, error = values_[pixel] - rounded;
         const auto for_receivers = [&](const auto& visit) {
@@ -130,14 +131,13 @@ private:
     /// Passes an error to the nearest pixels that are not rounded yet or, if they are far, to the next one.
     void pass_on(float error, int x, int y, int ahead) {
         constexpr int kReach = 12;
-        std::vector<std::size_t>& nearest = nearest_;
-        nearest.clear();
+        nearest_.clear();
         // Two pixels that are not rounded are never neighbours.
-        for (int reach = 2; reach <= kReach && nearest.empty(); ++reach) {
+        for (int reach = 2; reach <= kReach && nearest_.empty(); ++reach) {
             const auto add = [&](int across, int down) {
                 const int to = x + across * ahead;
                 if (is_inside(to, y + down) && !is_rounded_[index(to, y + down)])
-                    nearest.push_back(index(to, y + down));
+                    nearest_.push_back(index(to, y + down));
             };
             for (int down = 0; down < reach; ++down) {
                 if (down > 0) add(-reach, down);
@@ -145,8 +145,8 @@ private:
             }
             for (int across = -reach; across <= reach; ++across) add(across, reach);
         }
-        if (nearest.empty()) carried_ += error;
-        for (const std::size_t to : nearest) values_[to] += error / static_cast<float>(nearest.size());
+        if (nearest_.empty()) carried_ += error;
+        for (const std::size_t to : nearest_) values_[to] += error / static_cast<float>(nearest_.size());
     }
 
     std::vector<std::uint8_t>& shares_;
@@ -154,8 +154,8 @@ private:
     int width_, height_;
     std::vector<float> values_;             ///< [pixels] coverage with errors of others
     std::vector<std::uint8_t> is_rounded_;  ///< [pixels]
-    std::vector<std::size_t> nearest_;
-    float carried_ = 0;  ///< error that no pixel is near enough to take
+    std::vector<std::size_t> nearest_;      ///< of pass_on(), kept for its memory
+    float carried_ = 0;                     ///< error that no pixel is near enough to take
 };
 
 }  // namespace

@@ -78,7 +78,7 @@ struct SiteRelaxation::Ring {
 SiteRelaxation::SiteRelaxation(SurfaceTriangulation& mesh, const SurfaceDensity& density, double capacity)
     : mesh_(mesh), density_(density), capacity_(capacity) {}
 
-double SiteRelaxation::variation(std::span<const std::uint8_t> rows) {
+double SiteRelaxation::variation(std::span<const std::uint8_t> in_row) {
     goals_.assign(mesh_.triangle_count(), {});
     for_ranges(mesh_.executor(), goals_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
         for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
@@ -88,12 +88,8 @@ double SiteRelaxation::variation(std::span<const std::uint8_t> rows) {
         }
     });
     const auto weight_of = [&](std::uint32_t t) { return goals_[t].weight; };
-    const auto is_even = [&](std::uint32_t t) {
-        return !rows.empty() && std::ranges::all_of(mesh_.corners(t),
-                                                    [&](std::uint32_t v) { return !mesh_.is_site(v) || rows[v] != 0; });
-    };
     const Aims aims = find_aims(
-        mesh_, [&](std::uint32_t t) { return goals_[t].weight * mesh_.doubled_area(t); }, weight_of, is_even);
+        mesh_, [&](std::uint32_t t) { return goals_[t].weight * mesh_.doubled_area(t); }, weight_of, in_row);
     for (std::size_t i = 0; i < aims.goals.size(); ++i) goals_[aims.triangles[i]] = aims.goals[i];
     return aims.reached.variation();
 }

@@ -26,10 +26,8 @@ public:
     SiteRelaxation(SurfaceTriangulation& mesh, const SurfaceDensity& density, double capacity);
 
     /// Sets the goals of all triangles. Returns the capacity variation of the current mesh. O(triangles).
-    /// @param rows  [sites] whether even_out_narrow_strips() has moved a site; may be empty. Triangles whose sites it
-    /// has
-    ///              moved count as even, because their capacities depend on the width of the strip
-    double variation(std::span<const std::uint8_t> rows = {});
+    /// @param in_row  as for set_goals() (core/ccdt/goals.h)
+    double variation(std::span<const std::uint8_t> in_row = {});
 
     /// Moves every free site `passes` times. The goals must have been set since edges last changed. Sites are moved in
     /// parallel; the result does not depend on the number of threads. O(sites * passes).
