@@ -91,7 +91,7 @@ Estimate field_plan_cost(const HalftoneRequest& request, double sites) {
 /// Estimates the cost of fitting a field to a drawing, and of drawing it.
 /// @param pixels  of the drawing; 0: there are only outlines
 Estimate field_cost(const HalftoneRequest& request, double sites, double pixels) {
-    constexpr Estimate kBuffers{5e6, 0}, kFit{52, 0.05 * kMicrosecond}, kFitOfChannel{8, 0.3 * kMicrosecond};
+    constexpr Estimate kBuffers{5e6, 0}, kFit{52, 0.05 * kMicrosecond}, kFitOfChannel{8, 0.2 * kMicrosecond};
     constexpr Estimate kDrawn{6, 0.2 * kMicrosecond}, kDrawnChannel{2, 0.05 * kMicrosecond},
         kSite{400, 4 * kMicrosecond};
     const double cells = std::max(sites * kPixelsOfPitch * kPixelsOfPitch, planned_cells(request, sites));
@@ -150,6 +150,7 @@ Estimate ink_polish_cost(const HalftoneRequest& request, const Options& options)
 Estimate placing_cost(const HalftoneRequest& request, double sites) {
     Options options = request.run;
     options.sites = static_cast<std::size_t>(sites);
+    if (request.dots == Dots::Both) options.quality = quality_of_sites(options.quality);
     return methods().front().cost(options, false) + ink_polish_cost(request, options);
 }
 

@@ -6,6 +6,7 @@
 #include <cassert>
 #include <cmath>
 #include <cstddef>
+#include <numeric>
 
 #include "core/geometry/lanes.h"
 #include "core/halftone/pixel_ranges.h"
@@ -96,7 +97,58 @@ void blur_rows(const BoxFilter& box, std::size_t width, float* rows, std::size_t
     }
 }
 
+/// Returns the weights of a Gaussian at distances of whole pixels, the sum of whose samples on both sides is 1.
+std::vector<float> gaussian(double sigma) {
+    constexpr double kReach = 3;  // standard deviations
+    std::vector<double> samples{1};
+    for (int i = 1; i <= kReach * sigma + 0.5; ++i) samples.push_back(std::exp(-0.5 * i * i / (sigma * sigma)));
+    const double sum = 2 * std::accumulate(samples.begin(), samples.end(), -0.5);
+    std::vector<float> weights;
+    for (const double sample : samples) weights.push_back(static_cast<float>(sample / sum));
+    return weights;
+}
+
+/// Weighs the values at a distance before and after those of a row, and adds them to sums.
+CCDT_INLINE inline void add(float weight, const float* before, const float* after, float* __restrict sums,
+                            std::size_t columns) {
+    for (std::size_t x = 0; x < columns; ++x) sums[x] += weight * (before[x] + after[x]);
+}
+
 }  // namespace
+
+void blur_directly(std::vector<float>& values, int width, int height, double sigma, std::vector<float>& scratch,
+                   Executor& executor) {
+    const std::vector<float> weights = gaussian(sigma);
+    const auto columns = static_cast<std::size_t>(width), reach = weights.size() - 1;
+    scratch.resize(values.size());
+    const auto blur_row = [&](std::size_t y, std::vector<float>& sums) CCDT_INLINE {
+        const auto row = [&](int number) CCDT_INLINE {
+            return values.data() + static_cast<std::size_t>(mirrored(number, height)) * columns;
+        };
+        const auto middle = static_cast<int>(y);
+        float* const down = sums.data() + reach;
+        std::fill_n(down, columns, 0.0f);
+        add(weights[0] / 2, row(middle), row(middle), down, columns);
+        for (int i = 1; i <= static_cast<int>(reach); ++i)
+            add(weights[static_cast<std::size_t>(i)], row(middle - i), row(middle + i), down, columns);
+        for (int i = 1; i <= static_cast<int>(reach); ++i) {
+            down[-i] = down[mirrored(-i, width)];
+            down[width + i - 1] = down[mirrored(width + i - 1, width)];
+        }
+        float* const out = scratch.data() + y * columns;
+        std::fill_n(out, columns, 0.0f);
+        for (std::size_t i = 0; i <= reach; ++i)
+            add(i > 0 ? weights[i] : weights[0] / 2, down - i, down + i, out, columns);
+    };
+    for_ranges(executor, static_cast<std::size_t>(height), rows_of_task(width),
+               [&](std::size_t begin, std::size_t end) {
+                   std::vector<float> sums(columns + 2 * reach);
+                   with_lanes([&](auto) CCDT_INLINE {
+                       for (std::size_t y = begin; y < end; ++y) blur_row(y, sums);
+                   });
+               });
+    values.swap(scratch);
+}
 
 void blur(std::vector<float>& values, int width, int height, double sigma, std::vector<float>& scratch,
           Executor& executor) {

@@ -20,6 +20,13 @@ namespace ccdt {
 void blur(std::vector<float>& values, int width, int height, double sigma, std::vector<float>& scratch,
           Executor& executor = inline_executor());
 
+/// Does the same with the weights of a Gaussian, cut off at three standard deviations: smoother than blur(), and faster
+/// if the standard deviation is a few pixels.
+/// @param sigma  not limited
+/// O(pixels * sigma).
+void blur_directly(std::vector<float>& values, int width, int height, double sigma, std::vector<float>& scratch,
+                   Executor& executor = inline_executor());
+
 /// Returns a blurred copy of an image.
 std::vector<float> blurred(std::vector<float> values, int width, int height, double sigma,
                            Executor& executor = inline_executor());

@@ -127,19 +127,16 @@ public:
     std::vector<float> operator()(const Errors& errors, double reach, float gain) {
         constexpr double kLeast = 1.5;  // cells
         const double sigma = std::max(reach * least_, kLeast / scale());
-        // A single blur has side lobes, which let a part of the dots' texture pass.
-        const double part = sigma / std::numbers::sqrt2;
         std::vector<float> values(size_of(grid_));
         if (grid_ == cells_) {
             const auto columns = static_cast<std::size_t>(cells_.columns);
             for_rows(executor_, cells_.columns, static_cast<std::size_t>(cells_.rows),
                      [&](std::size_t y) { errors(y, values.data() + y * columns); });
-            widen(values, part);
+            widen(values, sigma);
         } else {
             halve(errors, values);
-            widen(values, std::sqrt(std::max(part * part - kVariance, 0.0)));
+            widen(values, std::sqrt(sigma * sigma - kVariance));
         }
-        widen(values, part);
         std::vector<float> result(values.size());
         for (int step = 0; step < steps_; ++step) {
             for_pixels(executor_, result.size(), [&](std::size_t i) {
@@ -192,7 +189,8 @@ private:
     }
 
     void widen(std::vector<float>& values, double sigma) {
-        blur(values, grid_.columns, grid_.rows, sigma, scratch_, executor_);
+        constexpr double kFew = 6;  // cells
+        (sigma < kFew ? blur_directly : blur)(values, grid_.columns, grid_.rows, sigma, scratch_, executor_);
     }
 
     CellGrid cells_;
@@ -431,7 +429,7 @@ FieldDrawing::FieldDrawing(const FieldPlan& plan, std::span<const Point> sites, 
     // The last rounds measure what is drawn, and blur it so widely that no texture of dots is left: the threshold would
     // follow it, which makes dark areas darker and light ones lighter.
     constexpr int kRounds = 6, kLast = 2, kLastIfDrawn = 3;
-    constexpr double kReach = 0.6, kWideReach = 0.9;  // spacings
+    constexpr double kReach = 0.55, kWideReach = 0.9;  // spacings
     constexpr float kFirstGain = 1.9f, kLastGain = 0.5f;
     const Resampling resampling(plan.cells, cells_);
     ErrorBlur blur(plan, cells_, executor);

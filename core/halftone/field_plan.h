@@ -10,6 +10,7 @@
 #include "core/halftone/overprint.h"
 #include "core/halftone/reduction.h"
 #include "core/parallel/executor.h"
+#include "core/polish/settings.h"
 
 namespace ccdt {
 
@@ -64,6 +65,12 @@ struct FieldPlan {
     /// Mean distance of neighbouring sites, in cells: the side of a square of the mean area.
     double pitch() const;
 };
+
+/// Returns the quality at which the sites of a drawing by one field are placed. Only Best has a polish: a drawing gains
+/// little from evener distances, since its dots and holes follow the triangles, whose capacities are equal.
+constexpr Quality quality_of_sites(Quality quality) {
+    return quality == Quality::Standard ? Quality::Draft : quality;
+}
 
 /// Returns the area that dots and holes have to draw, in cells. Each cell adds the largest min(c, 1 - c) of its channel
 /// values c.

@@ -269,6 +269,7 @@ private:
         }
         const auto plan = ccdt::plan_field(std::move(light), cells_, {run_.sites, {}, options_.detail},
                                            execution_.control().stop, execution_.executor());
+        run_.quality = ccdt::quality_of_sites(run_.quality);
         if (plan.sites > 0) place(plan.density, result);
         if (!options_.partial) execution_.check_stop();
         const double across = static_cast<double>(picture_.width) / cells_.columns;

@@ -197,10 +197,12 @@ class Options(ServerCase):
         self.assertEqual(len(bodies), 4)
 
     def test_quality(self):
-        bodies = [self.halftone(CAMERA, f"?sites=300{query}").body
-                  for query in ("", "&quality=standard", "&quality=draft", "&quality=best")]
-        self.assertEqual(bodies[0], bodies[1])
-        self.assertEqual(len(set(bodies)), 3)
+        for dots, different in (("ink", 3), ("both", 2)):
+            bodies = [self.halftone(CAMERA, f"?sites=300&dots={dots}{query}").body
+                      for query in ("", "&quality=standard", "&quality=draft", "&quality=best")]
+            self.assertEqual(bodies[0], bodies[1])
+            self.assertEqual(bodies[1] == bodies[2], dots == "both")
+            self.assertEqual(len(set(bodies)), different)
 
     def test_no_iterations_return_the_start(self):
         result = self.halftone(CAMERA, "?sites=300&iterations=0&format=json").json()

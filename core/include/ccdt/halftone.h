@@ -52,7 +52,7 @@ struct HalftoneOptions {
     Reproduction tone = Reproduction::Luminance;
     double detail = 0.7;                  ///< strength of the sharpening of edges, 0 to 1
     std::uint64_t seed = 0;               ///< 0 to 2^53 - 1
-    Quality quality = Quality::Standard;  ///< not Stealthy
+    Quality quality = Quality::Standard;  ///< not Stealthy; with Sides::Both, Draft is the same as Standard
     bool partial = false;          ///< whether a stop while dots move returns the current dots instead of an error
     Alpha alpha = Alpha::Display;  ///< the ground is white or, with Sides::Paper, black
 };

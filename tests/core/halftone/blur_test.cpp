@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -33,6 +35,41 @@ TEST(Blurred, SpreadsPointBySigmaInBothDirections) {
         EXPECT_NEAR(sum(spread), 1, 1e-5) << sigma;
         EXPECT_NEAR(std::sqrt(across), sigma, 1e-3) << sigma;
         EXPECT_NEAR(std::sqrt(down), sigma, 1e-3) << sigma;
+    }
+}
+
+std::vector<float> blurred_directly(std::vector<float> values, int width, int height, double sigma) {
+    std::vector<float> scratch;
+    blur_directly(values, width, height, sigma, scratch);
+    return values;
+}
+
+TEST(BlurDirectly, SpreadsPointAsAGaussian) {
+    constexpr int kWidth = 60, kHeight = 51, kX = 31, kY = 25;
+    std::vector<float> point(kWidth * kHeight);
+    point[kY * kWidth + kX] = 1;
+    for (const double sigma : {0.7, 1.2, 2.5, 6.0}) {
+        const std::vector<float> spread = blurred_directly(point, kWidth, kHeight, sigma);
+        EXPECT_NEAR(sum(spread), 1, 1e-5) << sigma;
+        for (int i = 0; i < kWidth * kHeight; ++i) {
+            const double squared = std::pow(i % kWidth - kX, 2) + std::pow(i / kWidth - kY, 2);
+            const double expected = std::exp(-squared / (2 * sigma * sigma)) / (2 * std::numbers::pi * sigma * sigma);
+            EXPECT_NEAR(static_cast<double>(spread[static_cast<std::size_t>(i)]), expected, 0.006 / sigma) << sigma;
+        }
+    }
+}
+
+TEST(BlurDirectly, ReflectsAtBorders) {
+    Random random(3, 0);
+    for (const auto& [width, height] : {std::pair{40, 25}, {1, 1}, {3, 1}, {1, 5}, {2, 2}}) {
+        std::vector<float> values(static_cast<std::size_t>(width * height));
+        for (float& value : values) value = static_cast<float>(random.uniform());
+        for (const double sigma : {0.3, 3.0, 11.0}) {
+            const std::vector<float> result = blurred_directly(values, width, height, sigma);
+            EXPECT_NEAR(sum(result), sum(values), 1e-3) << width << " x " << height << ", sigma " << sigma;
+            EXPECT_GE(std::ranges::min(result), std::ranges::min(values) - 1e-5f);
+            EXPECT_LE(std::ranges::max(result), std::ranges::max(values) + 1e-5f);
+        }
     }
 }
 
