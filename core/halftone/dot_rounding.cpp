@@ -52,7 +52,7 @@ private:
             is_rounded_[i] = is_fixed(i);
             if (is_fixed(i)) continue;
             const int certainty = must_cover(i) ? 0 : std::min(+shares_[i], kFull - shares_[i]);
-            classes[certainty].push_back(static_cast<std::uint32_t>(i));
+            classes[static_cast<std::size_t>(certainty)].push_back(static_cast<std::uint32_t>(i));
         }
         for (const auto& pixels : classes) {
             for (const std::uint32_t pixel : pixels) pass_inwards(pixel);

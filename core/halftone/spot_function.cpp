@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 
 #include "core/geometry/point.h"
 
@@ -18,7 +19,7 @@ const double kArea = kHeight / 4;
 // At this share, dots are rounded, and at this share of holes, holes.
 constexpr double kRoundDots = 0.57, kRoundHoles = 0.4;
 
-constexpr int kRays = 64;
+constexpr std::size_t kRays = 64;
 
 /// Distances from a centre to a contour along rays that cross a side of the sixth.
 struct Contour {
@@ -29,7 +30,7 @@ struct Contour {
     template <class Function>
     double share(const Function& distance_at) const {
         double twice = 0;
-        for (int i = 0; i < kRays; ++i) {
+        for (std::size_t i = 0; i < kRays; ++i) {
             const Point u = directions[i], v = directions[i + 1];
             twice += std::abs(u.x * v.y - u.y * v.x) * distance_at(distances[i]) * distance_at(distances[i + 1]);
         }
@@ -47,7 +48,7 @@ double length(Point p) {
 /// Returns rays from a centre to places along a side, without distances.
 Contour rays(Point centre, Point from, Point to) {
     Contour contour;
-    for (int i = 0; i <= kRays; ++i) {
+    for (std::size_t i = 0; i <= kRays; ++i) {
         const double share = static_cast<double>(i) / kRays;
         const Point ray = from + share * (to - from) - centre;
         contour.directions[i] = 1 / length(ray) * ray;
@@ -67,7 +68,7 @@ double distance_to(Point centre, Point other, Point direction, double ratio) {
 /// Returns the contour around the corner on which the distance to the centroid is `ratio` times that to the corner.
 Contour around_corner(double ratio) {
     Contour contour = rays({0, 0}, kMiddle, kCentroid);
-    for (int i = 0; i <= kRays; ++i)
+    for (std::size_t i = 0; i <= kRays; ++i)
         contour.distances[i] = distance_to({0, 0}, kCentroid, contour.directions[i], ratio);
     return contour;
 }
@@ -75,7 +76,7 @@ Contour around_corner(double ratio) {
 /// Returns the same contour, given by rays from the centroid.
 Contour around_centroid(double ratio) {
     Contour contour = rays(kCentroid, {0, 0}, kMiddle);
-    for (int i = 0; i <= kRays; ++i)
+    for (std::size_t i = 0; i <= kRays; ++i)
         contour.distances[i] = distance_to(kCentroid, {0, 0}, contour.directions[i], 1 / ratio);
     return contour;
 }
@@ -95,14 +96,14 @@ class Rounded {
 public:
     Rounded(Point centre, const Contour& outer) : centre_(centre) {
         double angle = 0, squares = 0;
-        for (int i = 0; i < kRays; ++i) {
+        for (std::size_t i = 0; i < kRays; ++i) {
             const Point u = outer.directions[i], v = outer.directions[i + 1];
             const double step = std::abs(u.x * v.y - u.y * v.x);
             angle += step;
             squares += step * outer.distances[i] * outer.distances[i + 1];
         }
         mean_ = std::sqrt(squares / angle);
-        for (int i = 0; i <= kScales; ++i) {
+        for (std::size_t i = 0; i <= kScales; ++i) {
             const double scale = static_cast<double>(i) / kScales;
             shares_[i] = outer.share(
                 [&](double edge) { return scale * mean_ * std::pow(edge / mean_, std::pow(scale, kRoundness)); });
@@ -120,12 +121,12 @@ public:
             scale -= (std::log(scale) + std::pow(scale, kRoundness) * bulge - wanted) /
                      (1 / scale + kRoundness * std::pow(scale, kRoundness - 1) * bulge);
         const double at = std::clamp(scale, 0.0, 1.0) * kScales;
-        const int below = std::min(static_cast<int>(at), kScales - 1);
-        return shares_[below] + (at - below) * (shares_[below + 1] - shares_[below]);
+        const auto below = std::min(static_cast<std::size_t>(at), kScales - 1);
+        return shares_[below] + (at - static_cast<double>(below)) * (shares_[below + 1] - shares_[below]);
     }
 
 private:
-    static constexpr int kScales = 256;
+    static constexpr std::size_t kScales = 256;
     static constexpr int kRoundness = 4;  // how quickly contours become circles
 
     Point centre_;

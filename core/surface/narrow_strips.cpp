@@ -63,13 +63,14 @@ std::vector<std::uint32_t> nearest_pieces(const std::vector<NarrowPiece<Point3>>
     std::vector<std::uint32_t> found(places.size(), kNone);
     std::vector<double> least(places.size(), std::numeric_limits<double>::infinity());
     for (std::uint32_t i = 0; i < pieces.size(); ++i) {
-        const auto& [a, b, c] = pieces[i].corners;
+        const auto& corners = pieces[i].corners;
         const double near = kNear * std::sqrt(pieces[i].area / pieces[i].sites);
         double reach = 0;
-        for (const Point3 corner : pieces[i].corners) reach = std::max(reach, length(corner - pieces[i].centre));
+        for (const Point3 corner : corners) reach = std::max(reach, length(corner - pieces[i].centre));
         cells.for_near(pieces[i].centre, reach + near, [&](Point3 place, std::uint32_t number) {
-            const auto weights = nearest_weights(place, pieces[i].corners);
-            const double distance = length(weights[0] * a + weights[1] * b + weights[2] * c - place);
+            const auto weights = nearest_weights(place, corners);
+            const Point3 nearest = weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2];
+            const double distance = length(nearest - place);
             if (distance >= std::min(near, least[number])) return;
             least[number] = distance;
             found[number] = i;
@@ -103,9 +104,9 @@ bool even_out_narrow_strips(const Surface& surface, const SurfaceDensity& densit
             const std::uint32_t own = component(surface.nearest(pieces[walk.front()].centre));
             std::vector<std::uint32_t> found;
             for (const std::uint32_t piece : walk) {
-                for (const auto& [at, site] :
-                     std::ranges::equal_range(located, piece, {}, [](auto& each) { return each.first; })) {
-                    if (component(sites[site]) == own) found.push_back(site);
+                auto each = std::ranges::lower_bound(located, std::pair(piece, std::uint32_t{0}));
+                for (; each != located.end() && each->first == piece; ++each) {
+                    if (component(sites[each->second]) == own) found.push_back(each->second);
                 }
             }
             std::ranges::sort(found);
