@@ -167,13 +167,16 @@ private:
         std::string_view rest = word;
         const auto vertex = resolve(take_until(rest, "/"), positions_.size(), place, largest_vertex_);
         const std::string_view second = take_until(rest, "/");
-        const auto texture =
-            second.empty() ? std::optional(kNone) : resolve(second, texture_.size(), place, largest_texture_);
-        if (!vertex || !texture)
+        if (!vertex)
             return unusable_surface(SurfaceFormat::Obj,
                                     place.text() + " has the corner " + quoted(word) + ", which refers to no vertex");
-        has_texture_ |= *texture != kNone;
-        corners_.push_back({*vertex, *texture});
+        auto texture = kNone;
+        if (!second.empty()) {
+            const auto found = resolve(second, texture_.size(), place, largest_texture_);
+            if (!found) largest_texture_ = {kNone, place};
+            texture = found.value_or(kNone);
+        }
+        corners_.push_back({*vertex, texture});
         return {};
     }
 
@@ -189,18 +192,16 @@ private:
         return static_cast<std::uint32_t>(index);
     }
 
-    Result<void> check(const Largest& largest, std::size_t size, const char* what) const {
-        if (corners_.empty() || largest.index < size) return {};
-        return unusable_surface(SurfaceFormat::Obj, largest.place.text() + " refers to " + what + ' ' +
-                                                        std::to_string(std::uint64_t{largest.index} + 1) +
-                                                        ", but there are only " + std::to_string(size));
-    }
-
     Result<void> add_corners() {
-        if (auto right = check(largest_vertex_, positions_.size(), "vertex"); !right) return right;
-        if (has_texture_) {
-            if (auto right = check(largest_texture_, texture_.size(), "texture coordinates"); !right) return right;
-        }
+        if (!corners_.empty() && largest_vertex_.index >= positions_.size())
+            return unusable_surface(SurfaceFormat::Obj, largest_vertex_.place.text() + " refers to vertex " +
+                                                            std::to_string(std::uint64_t{largest_vertex_.index} + 1) +
+                                                            ", but there are only " +
+                                                            std::to_string(positions_.size()));
+        const bool has_texture = largest_texture_.index < texture_.size();
+        if (!has_texture && largest_texture_.place.line > 0)
+            sink_.warn("texture coordinates are ignored, because faces refer to missing ones",
+                       largest_texture_.place.text());
         if (!colours_.empty()) colours_.resize(positions_.size(), kNoColour);
         for (const auto& [vertex, texture] : corners_) {
             const auto found = std::ranges::lower_bound(not_finite_, std::pair(vertex, std::size_t{0}));
@@ -209,7 +210,7 @@ private:
                                                                 std::to_string(found->second) + ") is not finite");
             sink_.vertex(positions_[vertex], 0);
             if (!colours_.empty()) sink_.colour(colours_[vertex]);
-            if (texture != kNone) sink_.texture(texture_[texture]);
+            if (has_texture && texture != kNone) sink_.texture(texture_[texture]);
         }
         return {};
     }
@@ -224,14 +225,23 @@ private:
     std::vector<std::uint32_t> numbers_;                             ///< corners of the current face
     std::vector<std::pair<std::uint32_t, std::size_t>> not_finite_;  ///< vertices and their lines
     Largest largest_vertex_, largest_texture_;
-    bool has_texture_ = false;
 };
 
 }  // namespace
 
 bool is_obj(std::string_view text) {
-    const Statement first = statement_of(Words(text).next());
-    return first != Statement::Unknown && first != Statement::Curve;
+    constexpr int kSearched = 100;
+    Words words(text);
+    const Statement first = statement_of(words.next());
+    if (first != Statement::Unknown && first != Statement::Curve) return true;
+    for (int line = 1; line < kSearched; ++line) {
+        words.skip_line();
+        if (words.next() != "v") continue;
+        int numbers = 0;
+        while (number_in(words.next_in_line())) ++numbers;
+        if (numbers >= 3) return true;
+    }
+    return false;
 }
 
 std::string_view materials_of_obj(std::string_view text) {

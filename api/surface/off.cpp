@@ -26,14 +26,21 @@ struct Keyword {
     bool has_colours = false;
     bool has_normals = false;
     bool is_three_dimensional = true;
-    std::string_view number;  ///< that follows without a blank
+    bool has_usual_order = true;  ///< ST, C, N; otherwise, programs disagree on the order of the numbers
+    std::string_view number;      ///< that follows without a blank
 };
 
 std::optional<Keyword> keyword_in(std::string_view word) {
     Keyword keyword;
+    if (word == "off") return keyword;
     keyword.has_texture = take_prefix(word, "ST");
     keyword.has_colours = take_prefix(word, "C");
     keyword.has_normals = take_prefix(word, "N");
+    if (keyword.has_normals && !keyword.has_colours && take_prefix(word, "C")) {  // MeshLab
+        keyword.has_colours = true;
+        keyword.has_usual_order = false;
+        keyword.has_texture |= take_prefix(word, "ST");
+    }
     const bool has_weight = take_prefix(word, "4"), has_dimension = take_prefix(word, "n");
     keyword.is_three_dimensional = !has_weight && !has_dimension;
     if (!take_prefix(word, "OFF")) return std::nullopt;
@@ -110,15 +117,17 @@ private:
 
     Result<void> read_vertex(std::uint32_t i) {
         std::array<double, 6> at{};  // and the normal
-        for (std::size_t k = 0; k < (keyword_.has_normals ? 6 : 3); ++k) {
+        const bool has_normal_here = keyword_.has_normals && keyword_.has_usual_order;
+        for (std::size_t k = 0; k < (has_normal_here ? 6 : 3); ++k) {
             const auto number = next_number("vertex", i);
             if (!number) return tl::unexpected(number.error());
             at[k] = *number;
         }
         sink_.vertex({at[0], at[1], at[2]}, words_.line());
         more_.clear();
-        const std::size_t needed = (keyword_.has_colours ? 4 : 0) + (keyword_.has_texture ? 2 : 0);
-        constexpr std::size_t kMost = 8;
+        const std::size_t needed =
+            (keyword_.has_colours ? 4 : 0) + (keyword_.has_texture ? 2 : 0) + (keyword_.has_usual_order ? 0 : 3);
+        constexpr std::size_t kMost = 9;
         while (layout_.has_rows ? more_.size() <= kMost : more_.size() < needed) {
             const std::string_view word = layout_.has_rows ? words_.next_in_line() : words_.next();
             if (layout_.has_rows && word.empty()) break;
@@ -139,6 +148,11 @@ private:
             if (more_.size() < 3 || more_.size() > 4)
                 return wrong(words_.place() + "vertex " + std::to_string(i) + " has further numbers");
             sink_.warn("numbers after the positions of vertices are ignored", "vertex " + std::to_string(i));
+            return {};
+        }
+        if (!keyword_.has_usual_order) {
+            sink_.warn("normals, colours and texture coordinates are ignored, because their order is not known",
+                       "vertex " + std::to_string(i));
             return {};
         }
         if (keyword_.has_colours) sink_.colour({more_[0], more_[1], more_[2]});

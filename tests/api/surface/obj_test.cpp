@@ -115,6 +115,25 @@ TEST(Obj, WarnsOfWhatItIgnores) {
                 "unknown statements are ignored: 1; the first is \"xyz\" in line 15");
 }
 
+TEST(Obj, IgnoresTextureCoordinatesIfSomeAreMissing) {
+    for (const char* corner : {"/1", "/9", "/-3", "/0", "/x"}) {
+        std::string text = vertices() + "vt 0 0\nvt 1 1\n";
+        for (const auto& face : kFaces) {
+            text += 'f';
+            for (const int vertex : face) text += ' ' + std::to_string(vertex + 1) + (vertex == 3 ? corner : "/2");
+            text += '\n';
+        }
+        const bool is_right = std::string_view(corner) == "/1";
+        expect_cube(text, is_right ? "" : "texture coordinates are ignored, because faces refer to missing ones");
+        EXPECT_EQ(read_mesh(text)->soup.texture.empty(), !is_right) << corner;
+    }
+}
+
+TEST(Obj, IsRecognisedByItsVertices) {
+    expect_cube("cstype bezier\n" + vertices() + faces(), "statements of curves are ignored");
+    expect_cube("call other.obj\n\n# comment\n" + vertices() + faces(), "unknown statements are ignored");
+}
+
 TEST(Obj, NamesThePlaceOfAnError) {
     expect_refused("v 0 0\n", "line 1: a vertex has 2 numbers");
     expect_refused("v 0 0 0\nv 1 2 3 4 5\n", "line 2: a vertex has 5 numbers");
@@ -122,7 +141,6 @@ TEST(Obj, NamesThePlaceOfAnError) {
     expect_refused(vertices() + "f 1 2 9\n", "face 0 (line 9) refers to vertex 9, but there are only 8");
     expect_refused(vertices() + "f 1 2 -9\n", "face 0 (line 9) has the corner \"-9\", which refers to no vertex");
     expect_refused(vertices() + "f 1 2 0\n", "face 0 (line 9) has the corner \"0\"");
-    expect_refused(vertices() + "f 1/3 2/3 3/3\n", "refers to texture coordinates 3, but there are only 0");
     expect_refused(vertices() + faces() + "v -1.#IND 1.#QNAN 1.#INF\nf 9 1 2\n", "vertex 8 (line 15) is not finite");
     expect_refused(vertices() + faces() + "v 0 0 0 0\nf 9 1 2\n", "vertex 8 (line 15) is not finite");
     expect_refused(vertices() + "f 1 2 x\n", "has the corner \"x\"");

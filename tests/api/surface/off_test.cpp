@@ -40,6 +40,12 @@ TEST(Off, ReadsAllVariants) {
         "STOFF 8 6 12\n" + corners(" .5 .25 ") + faces("4", " "),
     };
     for (const std::string& file : files) expect_cube(file);
+    expect_cube("off\n8 6 12\n" + corners("\n") + faces("4", "\n"));
+    expect_refused("NCOFF 8 6 0\n" + corners(" 1 0 0 1 0 0 1 2\n") + faces("4", "\n"), "vertex 0");
+    const std::string unknown = "their order is not known: 8; the first is vertex 0";
+    expect_cube("NCOFF\n8 6 0\n" + corners(" 255 0 0 255 0 0 1\n") + faces("4", "\n"), unknown);
+    expect_cube("NCOFF\n8 6 0\n" + corners(" 0 0 1 255 0 0\n") + faces("4", "\n"), unknown);
+    expect_cube("NCSTOFF 8 6 0 " + corners(" 255 0 0 255 0 0 1 .5 .25 ") + faces("4", " "), unknown);
     expect_cube("OFF 8 6 12\n" + corners(" 255 0 0\n") + faces("4", "\n"), "numbers after the positions");
 }
 
