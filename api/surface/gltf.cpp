@@ -214,6 +214,8 @@ public:
                 if (auto right = add(instance, mesh, primitive); !right) return tl::unexpected(right.error());
             }
         }
+        for (const std::string_view name : gltf_.unknown_extensions())
+            builder_.warn("required extensions that are unknown are ignored", std::string(name.substr(0, 100)));
         if (gltf_.trailing_bytes() > 0)
             builder_.warn("bytes after the end of the GLB are ignored", "", gltf_.trailing_bytes());
         auto& soup = builder_.soup();

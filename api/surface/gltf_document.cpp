@@ -24,7 +24,7 @@ std::size_t components_of(std::string_view shape) {
 
 /// Returns the part of a data URI after its media type; none for other URIs.
 std::optional<std::string_view> data_of(std::string_view uri) {
-    if (!uri.starts_with(kData)) return std::nullopt;
+    if (in_small_letters(uri.substr(0, kData.size())) != kData) return std::nullopt;
     take_until(uri, ",");
     return uri;
 }
@@ -168,6 +168,20 @@ GltfDocument::Value GltfDocument::element(std::string_view name, Value value) co
 std::optional<std::size_t> GltfDocument::count(Value value) const {
     const auto found = index(value, counts_.size());
     return found ? counts_[*found] : std::nullopt;
+}
+
+std::vector<std::string_view> GltfDocument::unknown_extensions() const {
+    // Extensions of these names do not change the geometry, or are read.
+    constexpr auto kKnown = std::to_array<std::string_view>(
+        {"KHR_materials_", "KHR_texture_", "EXT_texture_", "MSFT_texture_", "MSFT_packing_", "KHR_lights_",
+         "EXT_lights_", "KHR_animation_", "KHR_xmp", "KHR_mesh_quantization"});
+    std::vector<std::string_view> unknown;
+    for (const JsonValue extension : list(member(root(), "extensionsRequired"))) {
+        const std::string_view name = text(extension);
+        if (std::ranges::none_of(kKnown, [name](std::string_view known) { return name.starts_with(known); }))
+            unknown.push_back(name);
+    }
+    return unknown;
 }
 
 Result<void> GltfDocument::check() const {

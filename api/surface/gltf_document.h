@@ -123,6 +123,9 @@ public:
     /// Returns the number of elements of an accessor, below 2^32; none if it is invalid.
     std::optional<std::size_t> count(Value index) const;
 
+    /// Lists the required extensions that may change the geometry, but are not supported.
+    std::vector<std::string_view> unknown_extensions() const;
+
     /// Returns the bytes of an image; empty if they are not in the file.
     std::string bytes_of_image(JsonValue image) const;
 

@@ -122,6 +122,7 @@ TEST(Gltf, ReadsBuffersInDataUris) {
     Maker maker = Maker::of();
     const std::string size = std::to_string(maker.buffer.size());
     expect_cube(maker.json(R"({"byteLength":)" + size + R"(,"uri":")" + maker.data_uri() + R"("})"));
+    expect_cube(maker.json(R"({"byteLength":)" + size + R"(,"uri":"DATA)" + maker.data_uri().substr(4) + R"("})"));
     maker.views.replace(maker.views.find(R"("buffer":0)"), 10, R"("buffer":1)");
     const std::string buffer = R"({"uri":")" + maker.data_uri() + R"(","byteLength":)" + size + '}';
     expect_cube(maker.json(buffer + ',' + buffer));
@@ -263,6 +264,14 @@ TEST(Gltf, ReadsInterleavedAttributes) {
     maker.accessors.replace(maker.accessors.rfind("SCALAR"), 6, "VEC3");
     maker.primitives = R"({"attributes":{"POSITION":2},"indices":1})";
     expect_cube(maker.file());
+}
+
+TEST(Gltf, WarnsOfUnknownRequiredExtensions) {
+    Maker maker = Maker::of();
+    maker.rest = R"(,"extensionsRequired":["KHR_materials_unlit","KHR_mesh_quantization"])";
+    expect_cube(maker.file());
+    maker.rest = R"(,"extensionsRequired":["KHR_texture_transform","CESIUM_RTC"])";
+    expect_cube(maker.file(), "required extensions that are unknown are ignored: 1; the first is CESIUM_RTC");
 }
 
 TEST(Gltf, NamesWhatIsDamagedOrNotSupported) {
