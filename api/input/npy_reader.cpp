@@ -91,10 +91,9 @@ std::optional<std::vector<std::size_t>> read_shape(std::string_view text) {
     return shape;
 }
 
-/// Whether an array has as many bytes as its shape and type require.
+/// Whether an array of numbers has as many bytes as its shape and type require.
 bool is_complete(const NpyArray& array) {
-    if (array.type.size() < 3) return false;
-    std::size_t bytes = parse_number<std::size_t>(array.type.substr(2)).value_or(0);
+    std::size_t bytes = find_type(array.type)->size;
     for (const std::size_t side : array.shape) {
         if (side > 0 && bytes > array.data.size() / side) return false;
         bytes *= side;
@@ -122,18 +121,20 @@ double NpyArray::value(std::size_t i) const {
 }
 
 Result<NpyArray> read_npy(std::string_view file) {
-    constexpr std::size_t kSizeBytes = 2;
-    if (!file.starts_with(kNpyMagic)) return wrong("the NPY file must have the version 1.0");
-    file.remove_prefix(kNpyMagic.size());
-    if (file.size() < kSizeBytes) return wrong("the NPY file ends within its header");
-    const std::size_t size = static_cast<unsigned char>(file[0]) + 256U * static_cast<unsigned char>(file[1]);
-    if (file.size() < kSizeBytes + size) return wrong("the NPY file ends within its header");
-    const std::string_view header = file.substr(kSizeBytes, size);
+    const auto byte = [&](std::size_t i) { return i < file.size() ? static_cast<unsigned char>(file[i]) : 0U; };
+    const auto version = byte(kNpyMagic.size() - 2);
+    if (!is_npy(file) || version < 1 || version > 3) return wrong("the NPY file must have the version 1, 2 or 3");
+    file.remove_prefix(std::min(kNpyMagic.size(), file.size()));
+    const std::size_t size_bytes = version == 1 ? 2 : 4;
+    std::size_t size = 0;
+    for (std::size_t i = size_bytes; i-- > 0;) size = 256 * size + byte(i);
+    if (file.size() < size_bytes + size) return wrong("the NPY file ends within its header");
+    const std::string_view header = file.substr(size_bytes, size);
     const auto shape = read_shape(value_of(header, "'shape': (", ")"));
     if (!shape) return wrong("the header of the NPY file has no valid shape");
-    const NpyArray array{value_of(header, "'descr': '", "'"), *shape, file.substr(kSizeBytes + size),
+    const NpyArray array{value_of(header, "'descr': '", "'"), *shape, file.substr(size_bytes + size),
                          value_of(header, "'fortran_order': ", ",") == "True"};
-    if (is_complete(array)) return array;
+    if (!array.has_numbers() || is_complete(array)) return array;
     return wrong("the NPY file has " + std::to_string(array.data.size()) +
                  " bytes of data, which do not match its type and shape");
 }

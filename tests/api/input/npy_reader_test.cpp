@@ -45,6 +45,19 @@ TEST(NpyReader, ReadsBothByteOrders) {
     EXPECT_EQ(values(npy("|b1", "2,", "\x00\x01"s)), (std::vector<double>{0, 1}));
 }
 
+TEST(NpyReader, ReadsAllVersions) {
+    std::string file = npy("|u1", "2,", "\x07\x09"s);
+    for (const char version : {'\2', '\3'}) {
+        std::string later = file;
+        later[6] = version;
+        later.insert(10, 2, '\0');
+        EXPECT_EQ(values(later), (std::vector<double>{7, 9}));
+        for (std::size_t size = 0; size < 12; ++size) EXPECT_FALSE(read_npy(later.substr(0, size))) << size;
+    }
+    file[6] = '\4';
+    EXPECT_EQ(read_npy(file).error().message, "the NPY file must have the version 1, 2 or 3");
+}
+
 TEST(NpyReader, ReadsFortranOrder) {
     EXPECT_EQ(values(npy("|u1", "2, 3", "\x00\x03\x01\x04\x02\x05"s, true)), (std::vector<double>{0, 1, 2, 3, 4, 5}));
     EXPECT_EQ(values(npy("|u1", "2, 1, 2", "\x00\x02\x01\x03"s, true)), (std::vector<double>{0, 1, 2, 3}));
