@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "api/text/byte_order_mark.h"
 #include "api/text/text.h"
 
 namespace ccdt::api {
@@ -70,18 +71,20 @@ std::optional<ReferenceSystem> recognise_wkt(std::string_view text) {
 /// Recognises a code of EPSG, or a name of OGC, at the end of a name.
 std::optional<ReferenceSystem> recognise_name(std::string_view name) {
     constexpr auto kLonLat = std::to_array<std::string_view>({"CRS84", "CRS83", "CRS27", "4326", "4258", "4269"});
-    constexpr int kFirstProjected = 20'000, kLastProjected = 32'999, kWebMercator = 3857;  // ranges of EPSG
+    constexpr int kWebMercator = 3857;
     const std::string_view code = name.substr(name.find_last_of(":/#") + 1);
     if (std::ranges::count(kLonLat, code) > 0) return ReferenceSystem{std::string(name), true};
     const int number = parse_number<int>(code).value_or(0);
-    const bool is_projected = number == kWebMercator || (number >= kFirstProjected && number <= kLastProjected);
+    // Ranges of EPSG.
+    const bool is_projected =
+        number == kWebMercator || (number >= 2000 && number < 3800) || (number >= 20'000 && number < 33'000);
     return is_projected ? std::optional(ReferenceSystem{std::string(name), false}) : std::nullopt;
 }
 
 }  // namespace
 
 std::optional<ReferenceSystem> recognise_reference_system(std::string_view description) {
-    description = trim(description, kBlanks);
+    description = trim(without_byte_order_mark(description), kBlanks);
     return description.find_first_of("[(") == std::string_view::npos ? recognise_name(description)
                                                                      : recognise_wkt(description);
 }

@@ -161,13 +161,14 @@ private:
         });
     }
 
-    /// Joins arcs to a ring. Each arc must begin at the last position of the previous arc.
+    /// Joins arcs to a ring. Each arc should begin at the last position of the previous arc.
     Result<void> read_ring(const Input& indices, Ring& ring) {
         return for_each(indices, "must be a list of indices of arcs", [&](const Input& index) -> Result<void> {
             const auto arc = find_arc(index);
             if (!arc) return tl::unexpected(arc.error());
             const auto [points, is_reversed] = *arc;
-            if (!ring.empty() && !points.empty()) ring.pop_back();
+            if (!ring.empty() && !points.empty() && ring.back() == (is_reversed ? points.back() : points.front()))
+                ring.pop_back();
             corners_ += points.size();
             if (corners_ > PolygonInput::kMaxCorners)
                 return failure(

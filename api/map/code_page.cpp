@@ -23,8 +23,8 @@ constexpr auto kCodePages = std::to_array<const char*>(
      "CP1251",      "CP1252",     "CP1253",      "CP1254",      "CP1255",      "CP1256",      "CP1257",
      "CP1258",      "ISO-8859-2", "ISO-8859-3",  "ISO-8859-4",  "ISO-8859-5",  "ISO-8859-6",  "ISO-8859-7",
      "ISO-8859-8",  "ISO-8859-9", "ISO-8859-10", "ISO-8859-11", "ISO-8859-13", "ISO-8859-14", "ISO-8859-15",
-     "ISO-8859-16", "KOI8-R",     "KOI8-U",      "BIG5",        "EUC-JP",      "EUC-KR",      "GB18030",
-     "TIS-620",     "MACINTOSH"});
+     "ISO-8859-16", "KOI8-R",     "KOI8-U",      "BIG5",        "BIG5-HKSCS",  "EUC-JP",      "EUC-KR",
+     "GB18030",     "TIS-620",    "MACINTOSH"});
 
 struct Alias {
     std::string_view name;  ///< in the form of plain()
@@ -36,9 +36,9 @@ constexpr auto kAliases = std::to_array<Alias>(
     {{"utf8", kUtf8},          {"65001", kUtf8},          {"88591", "CP1252"}, {"latin1", "CP1252"},
      {"latin2", "ISO-8859-2"}, {"latin9", "ISO-8859-15"}, {"sjis", "CP932"},   {"shiftjis", "CP932"},
      {"31j", "CP932"},         {"gbk", "CP936"},          {"gb2312", "CP936"}, {"euccn", "CP936"},
-     {"uhc", "CP949"},         {"950", "BIG5"},           {"51949", "EUC-KR"}, {"51932", "EUC-JP"},
-     {"54936", "GB18030"},     {"20866", "KOI8-R"},       {"21866", "KOI8-U"}, {"10000", "MACINTOSH"},
-     {"macroman", "MACINTOSH"}});
+     {"uhc", "CP949"},         {"ksc56011987", "CP949"},  {"950", "BIG5"},     {"51949", "EUC-KR"},
+     {"51932", "EUC-JP"},      {"54936", "GB18030"},      {"20866", "KOI8-R"}, {"21866", "KOI8-U"},
+     {"10000", "MACINTOSH"},   {"macroman", "MACINTOSH"}});
 
 struct Driver {
     int number;

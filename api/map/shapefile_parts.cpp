@@ -42,7 +42,9 @@ std::vector<std::string> list_shapefiles(const ZipArchive& archive) {
 Result<std::string> choose_shapefile(const ZipArchive& archive, std::string_view object) {
     const auto paths = list_shapefiles(archive);
     if (paths.empty())
-        return unusable("the archive contains no shapefile (.shp); its files are " + join_names(archive.names()));
+        return unusable(
+            "the archive contains no shapefile (.shp), and other files are read without an archive; its files are " +
+            join_names(archive.names()));
     std::vector<std::string> chosen;
     std::ranges::copy_if(paths, std::back_inserter(chosen), [object](const std::string& path) {
         return object.empty() || path == object || without_folders(path) == object;

@@ -123,6 +123,11 @@ bool is_text(char type) {
     return type != 'N' && type != 'F' && type != 'L' && type != 'D';
 }
 
+/// Whether the values of a type of fields are not texts, in FoxPro and later versions of dBASE.
+bool is_binary(char type) {
+    return std::string_view("IOBYT+@").find(type) != std::string_view::npos;
+}
+
 /// Appends an integer as JSON, with all its digits. Returns false if the text is not an integer.
 bool append_integer(std::string& out, std::string_view text) {
     const bool is_negative = text.starts_with('-');
@@ -208,7 +213,9 @@ private:
                                     "the field " + excerpt(field.name) + " cannot be read: " + std::string(reason));
             };
             const auto same = std::ranges::find(fields_, field.name, &Field::name);
-            if (same != fields_.end()) {
+            if (is_binary(field.type)) {
+                leave_out(std::string("fields of the type ") + field.type + " are not supported");
+            } else if (same != fields_.end()) {
                 fields_.erase(same);
                 leave_out("the .dbf file has two fields of this name");
             } else if (!page_ && !(is_ascii(name.data()) && (!is_text(field.type) || has_only_ascii(i)))) {

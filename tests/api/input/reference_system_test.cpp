@@ -20,6 +20,7 @@ const std::string kWgs84 = R"(GEOGCS["GCS_WGS_1984",DATUM["D_WGS_1984",SPHEROID[
 TEST(ReferenceSystem, RecognisesWellKnownText) {
     EXPECT_EQ(describe(kWgs84), "lonlat GCS_WGS_1984");
     EXPECT_EQ(describe("\n " + kWgs84 + "\r\n"), "lonlat GCS_WGS_1984");
+    EXPECT_EQ(describe("\xEF\xBB\xBF" + kWgs84), "lonlat GCS_WGS_1984");
     const std::string utm = R"(PROJCS["WGS_1984_UTM_Zone_32N",)" + kWgs84 +
                             R"(,PROJECTION["Transverse_Mercator"],PARAMETER["Scale_Factor",0.9996],UNIT["Meter",1.0]])";
     EXPECT_EQ(describe(utm), "other WGS_1984_UTM_Zone_32N");
@@ -45,6 +46,7 @@ TEST(ReferenceSystem, RecognisesNames) {
     EXPECT_EQ(describe("urn:ogc:def:crs:OGC:1.3:CRS84"), "lonlat urn:ogc:def:crs:OGC:1.3:CRS84");
     EXPECT_EQ(describe("EPSG:4326"), "lonlat EPSG:4326");
     EXPECT_EQ(describe("urn:ogc:def:crs:EPSG::3857"), "other urn:ogc:def:crs:EPSG::3857");
+    EXPECT_EQ(describe("EPSG:2154"), "other EPSG:2154");
     EXPECT_EQ(describe("http://www.opengis.net/def/crs/EPSG/0/25832"),
               "other http://www.opengis.net/def/crs/EPSG/0/25832");
     for (const std::string_view unknown : {"", "[", "x", "\"", "EPSG:", "EPSG:4283", "GEOGCS", "((((", "]]]"})

@@ -44,6 +44,13 @@ TEST(Topology, JoinsArcsToRings) {
     EXPECT_EQ(polygon->features, (std::vector<std::size_t>{0, 1, 1}));
 }
 
+TEST(Topology, KeepsBothEndsOfArcsThatDoNotMeet) {
+    const std::string arcs = "[[[0,0],[9,0]],[[0,9],[9,9]]]";
+    const auto polygon = read(topology(R"("o":{"type":"Polygon","arcs":[[0,-2]]})", arcs));
+    ASSERT_TRUE(polygon) << polygon.error().message;
+    EXPECT_EQ(polygon->parts[0].outer, (Ring{{0, 0}, {9, 0}, {9, 9}, {0, 9}}));
+}
+
 TEST(Topology, DecodesQuantizedArcs) {
     const auto polygon = read(topology(R"("one":{"type":"Polygon","arcs":[[0]]})", "[[[10,20],[5,0],[0,-5,77],[-5,5]]]",
                                        R"("transform":{"scale":[0.5,2],"translate":[100,-7]},)"));

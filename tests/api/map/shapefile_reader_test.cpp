@@ -240,7 +240,9 @@ TEST(Shapefile, ReadsTextsOfManyLanguages) {
         {"\xB1\xB1\xBE\xA9", "GBK", 77, "\u5317\u4EAC"},
         {"\xB1\xB1\xBE\xA9", "GB2312", 122, "\u5317\u4EAC"},
         {"\xA5\x78\xA5\x5F", "BIG5", 79, "\u53F0\u5317"},
+        {"\xA5\x78\xA5\x5F", "Big5-HKSCS", 79, "\u53F0\u5317"},
         {"\xBC\xAD\xBF\xEF", "949", 78, "\uC11C\uC6B8"},
+        {"\xBC\xAD\xBF\xEF", "KS_C_5601-1987", 78, "\uC11C\uC6B8"},
         {"\xA3\xF3"
          "d\x9F",
          "1250", 200, "\u0141\u00F3d\u017A"},
@@ -279,6 +281,9 @@ TEST(Shapefile, LeavesOutFieldsThatCannotBeRead) {
         collection_of({{"n", 'N', 1}, {"n", 'C', 1}, {"n", 'C', 1}, {"m", 'N', 1}}, {"1", "2", "3", "4"});
     EXPECT_EQ(twice["features"][0]["properties"].dump(), R"({"m":4})");
     EXPECT_NE(twice["unreadable"]["n"].get<std::string>().find("two fields"), std::string::npos);
+    const Json binary = collection_of({{"i", 'I', 4}, {"n", 'N', 1}}, {std::string("\5\0\0\0", 4), "1"});
+    EXPECT_EQ(binary["features"][0]["properties"].dump(), R"({"n":1})");
+    EXPECT_NE(binary["unreadable"]["i"].get<std::string>().find("fields of the type I are not"), std::string::npos);
     EXPECT_FALSE(collection_of({{"name", 'C', 9}}, {"plain"}).contains("unreadable"));
 }
 
