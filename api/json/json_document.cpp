@@ -27,8 +27,21 @@ bool is_long_integer(std::string_view number) {
 }
 
 /// @param position  position of the error, counted from 1
-tl::unexpected<Error> invalid_at(std::size_t position) {
-    return failure(ErrorCode::Malformed, "the body is not valid JSON: error at byte " + std::to_string(position));
+/// @param reason    empty if it is unknown
+tl::unexpected<Error> invalid_at(std::size_t position, std::string_view reason = {}) {
+    return failure(ErrorCode::Malformed, "the body is not valid JSON: error at byte " + std::to_string(position) +
+                                             (reason.empty() ? "" : ": ") + std::string(reason));
+}
+
+/// Returns the reason of an error of the parser if users may not see it at the position of the error.
+/// @param rest     text from the error on
+/// @param message  message of the parser
+std::string_view reason_of(std::string_view rest, std::string_view message) {
+    const auto says = [message](std::string_view words) { return message.find(words) != std::string_view::npos; };
+    if (says("unexpected end of input")) return "the text ends";
+    if (says("ill-formed UTF-8")) return "the text is not in UTF-8";
+    if (says("number overflow")) return "the number is too large";
+    return rest.starts_with("NaN") || rest.starts_with("Infinity") ? "numbers must be finite" : "";
 }
 
 }  // namespace
@@ -59,9 +72,10 @@ public:
     bool end_array() { return close(1); }
     bool end_object() { return names_differ() && close(2); }
 
-    bool parse_error(std::size_t position, const std::string&, const nlohmann::json::exception&) {
+    bool parse_error(std::size_t position, const std::string&, const nlohmann::json::exception& error) {
         stopped_at_ = start_ + position;
-        error_ = invalid_at(stopped_at_).value();
+        const std::string_view rest = text_.substr(std::min(stopped_at_ - 1, text_.size()));
+        error_ = invalid_at(stopped_at_, reason_of(rest, error.what())).value();
         return false;
     }
 
@@ -70,6 +84,7 @@ public:
     ///           after errors
     std::optional<std::size_t> read(std::string_view text, std::size_t start) {
         const std::size_t levels = open_.size(), before = document_.nodes_.size();
+        text_ = text;
         start_ = start;
         stopped_at_ = 0;
         nlohmann::json::sax_parse(text.begin() + static_cast<std::ptrdiff_t>(start), text.end(), this);
@@ -171,6 +186,7 @@ private:
     JsonDocument document_;
     std::vector<std::uint32_t> open_;  ///< indices of the arrays and objects that are not closed yet
     std::optional<Error> error_;
+    std::string_view text_;       ///< text with the value that is being read
     std::size_t start_ = 0;       ///< position in the text of the value that is being read
     std::size_t stopped_at_ = 0;  ///< position of the first invalid byte, counted from 1; 0: none
 };

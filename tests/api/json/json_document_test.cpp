@@ -57,6 +57,19 @@ TEST(JsonDocument, RefusesTextAfterTheValue) {
               "the body is not valid JSON: error at byte 4");
 }
 
+TEST(JsonDocument, ExplainsErrorsThatAreNotSeenInTheText) {
+    const auto reason = [](const std::string& text) {
+        const std::string message = JsonDocument::parse(text).error().message;
+        return message.substr(message.find("byte"));
+    };
+    EXPECT_EQ(reason(R"({"a":[1)"), "byte 8: the text ends");
+    EXPECT_EQ(reason("[\"Gr\xfc\xdf\"]"), "byte 5: the text is not in UTF-8");
+    EXPECT_EQ(reason("[1e400]"), "byte 6: the number is too large");
+    EXPECT_EQ(reason("[0, NaN]"), "byte 5: numbers must be finite");
+    EXPECT_EQ(reason("[0, -Infinity]"), "byte 6: numbers must be finite");
+    for (const char* unknown : {"[0, x]", "[0, None]"}) EXPECT_EQ(reason(unknown), "byte 5") << unknown;
+}
+
 TEST(JsonDocument, LimitsTheDepth) {
     const auto nested = [](std::size_t depth) { return std::string(depth, '[') + std::string(depth, ']'); };
     EXPECT_TRUE(JsonDocument::parse(nested(JsonDocument::kMaxDepth)));
@@ -128,7 +141,7 @@ TEST(JsonDocument, ReadsSequencesAsFeatures) {
 TEST(JsonDocument, ReportsErrorsInSequences) {
     const auto message = [](std::string_view text) { return rewritten(JsonDocument::parse_features(text)); };
     EXPECT_EQ(message("{\"a\":1}\n{\"b\":x}"), "the body is not valid JSON: error at byte 14");
-    EXPECT_EQ(message("{\"a\":1}\n{\"b\":1"), "the body is not valid JSON: error at byte 15");
+    EXPECT_EQ(message("{\"a\":1}\n{\"b\":1"), "the body is not valid JSON: error at byte 15: the text ends");
     EXPECT_EQ(message("{\"a\":1}\nx"), "the body is not valid JSON: error at byte 9");
     EXPECT_EQ(message("\x1E{\"a\":1}\n\x1E{\"a\":1,\"a\":2}"), "a JSON object has the member 'a' twice");
     EXPECT_EQ(message("{}\n[]"), "the body is not valid JSON: error at byte 4");
