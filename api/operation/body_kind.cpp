@@ -15,6 +15,8 @@ namespace {
 
 using namespace std::string_view_literals;
 
+constexpr std::string_view kGeoJson = "GeoJSON", kTopoJson = "TopoJSON";
+
 constexpr std::string_view kOfSample =
     "options in JSON, a map (GeoJSON, TopoJSON or a zipped shapefile), a mesh (STL, OBJ, PLY, OFF, GLB or glTF), and "
     "voxels (NPY or TIFF)";
@@ -50,9 +52,16 @@ std::string kind_of_body(std::string_view body) {
 }
 
 std::string_view kind_of_json(JsonValue root) {
-    if (is_topology(root)) return "TopoJSON";
-    if (is_geojson(root)) return "GeoJSON";
-    return root.is_object() && root.find("asset") ? "a glTF" : "";
+    if (is_topology(root)) return kTopoJson;
+    if (is_geojson(root)) return kGeoJson;
+    if (root.is_array()) {
+        const bool has_geojson = root.size() > 0 && is_geojson(*root.begin());
+        return has_geojson ? "a list of GeoJSON objects, which must be the features of a FeatureCollection" : "";
+    }
+    const auto has = [root](std::string_view name) { return root.is_object() && root.find(name); };
+    if (has("asset")) return "a glTF";
+    if (has("rings") || has("spatialReference")) return "JSON of Esri";
+    return has("elements") && has("generator") ? "JSON of OpenStreetMap" : "";
 }
 
 tl::unexpected<Error> wrong_body(std::string_view kind, std::string_view accepted) {
@@ -70,7 +79,9 @@ tl::unexpected<Error> not_json(std::string_view body, const Error& error, std::s
 Result<JsonDocument> parse_sample_document(std::string_view body) {
     auto document = JsonDocument::parse_features(body);
     if (!document) return not_json(body, document.error(), kOfSample);
-    if (kind_of_json(document->root()) == "a glTF") return wrong_body("a glTF without meshes", kOfSample);
+    const std::string_view kind = kind_of_json(document->root());
+    if (kind == "a glTF") return wrong_body("a glTF without meshes", kOfSample);
+    if (!kind.empty() && kind != kGeoJson && kind != kTopoJson) return wrong_body(kind, kOfSample);
     return document;
 }
 

@@ -68,6 +68,15 @@ constexpr auto kKinds = std::to_array<Kind>({
     {0, "BLENDER"sv, "a Blender file"},
     {0, "ISO-10303-21"sv, "STEP"},
     {0, "#VRML"sv, "VRML"},
+    {0, "# vtk DataFile"sv, "VTK"},
+    {0, "$MeshFormat"sv, "a mesh of Gmsh"},
+    {0, "# .PCD"sv, "PCD"},
+    {0, "AC10"sv, "DWG"},
+    {0, "#usda"sv, "USD"},
+    {0, "PXR-USDC"sv, "USD"},
+    {0, "ASTM-E57"sv, "E57"},
+    {6, "OSMHeader"sv, "a file of OpenStreetMap"},
+    {0, "\xff\xfe\0\0"sv, "text in UTF-32, not in UTF-8"},
     {0, "\xff\xfe"sv, "text in UTF-16, not in UTF-8"},
     {0, "\xfe\xff"sv, "text in UTF-16, not in UTF-8"},
 });
@@ -151,6 +160,8 @@ std::string_view kind_of_text(std::string_view text) {
     if (std::ranges::count(kWellKnown, word) > 0 || word.starts_with("srid=")) return "well-known text (WKT)";
     if (word == "geogcs" || word == "projcs" || word == "geogcrs" || word == "projcrs")
         return "a .prj file, which is read in a zip archive with the other files of the shapefile";
+    if (word == "newmtl") return "the materials of an OBJ (MTL), without its mesh";
+    if (word == "0" && trim(text.substr(1), kBlanks).starts_with("SECTION")) return "DXF";
     return is_table(text) ? "CSV" : "text";
 }
 
@@ -171,9 +182,11 @@ std::string_view kind_of_file(std::string_view bytes) {
     if (kind != kKinds.end()) return kind->name;
     if (is_dbf(bytes)) return "a .dbf file, which is read in a zip archive with the other files of the shapefile";
     if (is_wkb(bytes)) return "well-known binary (WKB)";
-    if (bytes.size() > 3 && bytes[1] == '\0' && bytes[3] == '\0' && is_text(bytes.substr(0, 1)) &&
-        is_text(bytes.substr(2, 1)))
-        return "text in UTF-16, not in UTF-8";
+    for (const std::size_t low : {std::size_t{0}, std::size_t{1}}) {
+        if (bytes.size() > 3 && bytes[1 - low] == '\0' && bytes[3 - low] == '\0' && is_text(bytes.substr(low, 1)) &&
+            is_text(bytes.substr(low + 2, 1)))
+            return "text in UTF-16, not in UTF-8";
+    }
     return is_text(bytes) ? kind_of_text(bytes) : std::string_view();
 }
 

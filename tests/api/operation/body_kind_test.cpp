@@ -75,7 +75,16 @@ TEST(BodyKind, NamesTheKindOfAFile) {
         {"lon;lat;n\r\n1;2;3", "CSV"},
         {"\xff\xfe{\0\"\0"s, "text in UTF-16, not in UTF-8"},
         {"{\0\"\0a\0"s, "text in UTF-16, not in UTF-8"},
+        {"\0{\0\"\0a"s, "text in UTF-16, not in UTF-8"},
+        {"\xff\xfe\0\0{\0\0\0"s, "text in UTF-32, not in UTF-8"},
         {"Dear Sir,\nplease", "text"},
+        {"  0\nSECTION\n", "DXF"},
+        {"AC1032\0"s, "DWG"},
+        {"# Blender MTL\nnewmtl a\n", "text"},
+        {"newmtl a\nKd 1 1 1\n", "the materials of an OBJ (MTL), without its mesh"},
+        {"# vtk DataFile Version 3.0\n", "VTK"},
+        {"$MeshFormat\n4.1 0 8\n", "a mesh of Gmsh"},
+        {"\0\0\0\x0d\x0a\x09OSMHeader"s, "a file of OpenStreetMap"},
         {"{\"sites\":1", "JSON"},
         {"\x02\xf0\x0f", "binary data of an unknown kind"},
     };
@@ -88,11 +97,14 @@ TEST(BodyKind, IsPartOfErrors) {
         return document ? std::string() : document.error().message;
     };
     EXPECT_EQ(message("{}"), "");
-    EXPECT_EQ(message("{\"sites\":1"), "the body is not valid JSON: error at byte 11");
+    EXPECT_EQ(message("{\"sites\":1"), "the body is not valid JSON: error at byte 11: the text ends");
     EXPECT_NE(message("PAR1").find("the body seems to be Parquet"), std::string::npos);
     EXPECT_NE(message("PAR1").find("accepted are options in JSON, a map"), std::string::npos);
     EXPECT_EQ(message("\n").find("the body is empty; accepted are"), 0U);
     EXPECT_NE(message(R"({"asset":{"version":"2.0"}})").find("a glTF without meshes"), std::string::npos);
+    EXPECT_NE(message(R"([{"type":"Feature"}])").find("a list of GeoJSON objects"), std::string::npos);
+    EXPECT_NE(message(R"({"rings":[[[0,0],[1,0],[1,1]]]})").find("JSON of Esri"), std::string::npos);
+    EXPECT_NE(message(R"({"generator":"Overpass API","elements":[]})").find("OpenStreetMap"), std::string::npos);
     EXPECT_EQ(parse_sample_document("PAR1").error().code, ErrorCode::Unsupported);
     EXPECT_EQ(parse_sample_document("nul").error().code, ErrorCode::Malformed);
 }
