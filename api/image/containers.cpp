@@ -115,6 +115,7 @@ std::optional<Segment> jpeg_frame(std::string_view bytes, std::size_t at) {
 std::string unread_jpeg(const Segment& frame) {
     constexpr int kBits = 8;
     if (jpeg_coding(frame.marker) == JpegCoding::Other) return "a JPEG with lossless or hierarchical coding";
+    if (ByteReader(frame.data, true).read(1, 2) == 0U) return "a JPEG that states its height after its rows (DNL)";
     const int bits = frame.data.empty() ? kBits : static_cast<unsigned char>(frame.data.front());
     return bits == kBits ? "" : "a JPEG with " + std::to_string(bits) + " bits per channel";
 }

@@ -102,6 +102,7 @@ TEST(ImageHeader, RefusesOtherFormatsByName) {
         {"\xff\x0a\x12\x34", "JPEG XL"},
         {"\0\0\0\x0cjP  \r\n\x87\n"s, "JPEG 2000"},
         {"8BPS\0\1"s, "a Photoshop file"},
+        {"P6\n4 4\n255\n"s, "PPM"},
         {"%PDF-1.4", "PDF"},
         {"<svg xmlns=", "SVG"},
         {"hello", "text"},
@@ -156,9 +157,10 @@ TEST(ImageHeader, FindsTheFrameOfAJpegAfterOtherSegments) {
 }
 
 TEST(ImageHeader, NamesJpegsThatTheDecoderDoesNotRead) {
-    const std::string kSize("\x00\x08\x00\x08\x01\x01\x11\x00", 8);
-    const auto refusal = [&](char marker, char bits) {
-        const std::string file = std::string("\xff\xd8\xff") + marker + std::string("\x00\x0b", 2) + bits + kSize;
+    const auto refusal = [](char marker, char bits, char height = 8) {
+        const std::string rest("\x00\x08\x01\x01\x11\x00", 6);
+        const std::string file =
+            std::string("\xff\xd8\xff") + marker + std::string("\x00\x0b", 2) + bits + '\0' + height + rest;
         const auto header = read_image_header(file, kMaxPixels);
         return header ? "" : header.error().message;
     };
@@ -166,6 +168,7 @@ TEST(ImageHeader, NamesJpegsThatTheDecoderDoesNotRead) {
     for (const char marker : {'\xc3', '\xc5', '\xcb', '\xcf', '\xf7'})
         EXPECT_TRUE(refusal(marker, 8).ends_with("a JPEG with lossless or hierarchical coding")) << refusal(marker, 8);
     EXPECT_TRUE(refusal('\xc1', 12).ends_with("a JPEG with 12 bits per channel")) << refusal('\xc1', 12);
+    EXPECT_TRUE(refusal('\xc0', 8, 0).ends_with("a JPEG that states its height after its rows (DNL)"));
 }
 
 TEST(ImageHeader, RefusesJpegsWithTooManyScans) {
