@@ -20,14 +20,18 @@ Some differences are decisions:
 - An orientation in EXIF may be an integer of 4 bytes, as in Pillow. Chromium requires 2.
 - A WebP with an orientation in EXIF is turned upright, which Chromium does not do.
 - A crop (clap) of an AVIF is applied, because HEIF requires it. Chromium shows the whole picture.
+- Colours of an AVIF whose alpha is premultiplied are divided by alpha before they are converted. Chromium shows them up
+  to 8 L* darker.
 - A layer that an AVIF selects (lsel) is shown. Chromium shows nothing.
 - Of animations, ccdt reads the default image or the first frame, as Pillow and ImageMagick do. Chromium draws a frame of
   the animation, of which the default image need not be part.
-- Icons are refused by name. Truncated or damaged pictures are refused, of which Chromium shows the part that is there:
+- Icons and BMPs with RLE of 24 bits are refused by name, and pictures above --max-pixels by their size. Truncated or damaged pictures are refused, of which Chromium shows the part that is there:
   also PNGs with wrong checksums or without IEND, JPEGs with wrong codes, GIFs with codes of more than 8 bits.
 - A BMP whose alpha is zero everywhere is opaque, and not invisible.
 - Pixels that the runs of a BMP leave out have the first colour of the palette, as in Pillow and ImageMagick. Chromium
   makes them black.
+- Colours that the palette of a PNG lacks are black, as in ImageMagick. Chromium takes another colour.
+- If a JPEG lacks its end (EOI), its last rows are shown, too.
 - The alpha of a BMP has the bits that the file states. If this is one bit of 32, Chromium takes 8.
 - The measure exceeds 2 L* where an edge between black and transparent crosses a picture of 16 pixels, because the
   smooth edge of the enlargement is lighter than black.
