@@ -294,10 +294,9 @@ Result<bool> Construction::move_single_sites() {
     const auto all = placed_->mesh.points().begin();
     std::vector<Point> sites(all, all + static_cast<std::ptrdiff_t>(options_.sites));
     bool moved = false;
-    if (is_narrow && even_out_narrow_places(domain_, capacity_, sites, capacity_.total() * site_share(), stop_)) {
-        for (std::size_t i = 0; i < sites.size(); ++i)
-            in_row_.push_back(sites[i] != all[static_cast<std::ptrdiff_t>(i)]);
-        moved = true;
+    if (is_narrow) {
+        in_row_ = even_out_narrow_places(domain_, capacity_, sites, capacity_.total() * site_share(), stop_);
+        moved = !in_row_.empty();
     }
     if (clears_gaps) {
         for (Point& site : sites) {

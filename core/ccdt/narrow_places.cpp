@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <vector>
 
 #include "core/ccdt/domain_mesh.h"
 #include "core/ccdt/narrow_rows.h"
@@ -30,11 +29,11 @@ std::vector<NarrowPiece<Point>> find_pieces(const Triangulation& mesh, const Cap
 
 }  // namespace
 
-bool even_out_narrow_places(const Domain& domain, const CapacityIntegral& capacity, std::span<Point> sites, double site,
-                            const std::stop_token& stop) {
+std::vector<std::uint8_t> even_out_narrow_places(const Domain& domain, const CapacityIntegral& capacity,
+                                                 std::span<Point> sites, double site, const std::stop_token& stop) {
     constexpr std::size_t kFine = 16;  // number of sites per site for which vertices on the border are close enough
     const auto mesh = empty_mesh(domain, make_border(domain, capacity, kFine * sites.size()), 1, stop);
-    if (!mesh || stop.stop_requested()) return false;
+    if (!mesh || stop.stop_requested()) return {};
     const auto pieces = find_pieces(mesh->mesh, capacity, site);
     const CellList cells(domain, sites);
     const auto sites_of = [&](std::span<const std::uint32_t> walk) {
@@ -53,7 +52,7 @@ bool even_out_narrow_places(const Domain& domain, const CapacityIntegral& capaci
         return found;
     };
     const auto rows = narrow_rows(pieces, sites_of, stop);
-    if (stop.stop_requested() || rows.empty()) return false;
+    if (stop.stop_requested() || rows.empty()) return {};
     return move_rows<Point>(
         rows, sites, [&](std::span<const Point> places) { return CellList(domain, places); },
         [](std::uint32_t, std::uint32_t) { return false; });

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <stop_token>
+#include <vector>
 
 #include "core/ccdt/capacity_integral.h"
 #include "core/geometry/domain.h"
@@ -24,10 +26,10 @@ namespace ccdt {
 /// @param sites   in the unit frame; sites in narrow places move
 /// @param site    capacity of a site
 /// @param stop    polled regularly; after a stop the sites must not be used
-/// @returns       whether any site moved
+/// @returns       whether each site moved [sites]; empty if none did
 ///
 /// O(n log n) for n = sites + corners of the domain.
-bool even_out_narrow_places(const Domain& domain, const CapacityIntegral& capacity, std::span<Point> sites, double site,
-                            const std::stop_token& stop);
+std::vector<std::uint8_t> even_out_narrow_places(const Domain& domain, const CapacityIntegral& capacity,
+                                                 std::span<Point> sites, double site, const std::stop_token& stop);
 
 }  // namespace ccdt

@@ -271,10 +271,10 @@ double crowding(const NarrowRow<Place>& row, std::span<const Place> places, cons
 /// Moves the sites of each row to their new places, unless this would increase their crowding considerably.
 /// @param cells_of  returns the cell list of places
 /// @param is_apart  returns whether two sites cannot crowd each other, however near they are
-/// @returns         whether any site moved
+/// @returns         whether each site is in a row that moved [sites]; empty if no row moved
 template <class Place, class CellsOf, class IsApart>
-bool move_rows(std::span<const NarrowRow<Place>> rows, std::span<Place> sites, CellsOf&& cells_of,
-               const IsApart& is_apart) {
+std::vector<std::uint8_t> move_rows(std::span<const NarrowRow<Place>> rows, std::span<Place> sites, CellsOf&& cells_of,
+                                    const IsApart& is_apart) {
     constexpr double kIncrease = 1.2;  // for example of sites on both sides of a sharp bend
     const std::vector<Place> before(sites.begin(), sites.end());
     const auto old_cells = cells_of(std::span<const Place>(before));
@@ -292,7 +292,12 @@ bool move_rows(std::span<const NarrowRow<Place>> rows, std::span<Place> sites, C
                        return true;
                    }) > 0;
     }
-    return !std::ranges::equal(sites, before);
+    if (moved.empty()) return {};
+    std::vector<std::uint8_t> is_moved(sites.size(), 0);
+    for (const NarrowRow<Place>* row : moved) {
+        for (const std::uint32_t site : row->sites) is_moved[site] = 1;
+    }
+    return is_moved;
 }
 
 /// Returns the rows of all strips that have several sites.

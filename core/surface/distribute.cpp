@@ -64,6 +64,7 @@ public:
             result_.polished = relaxation.variation();
             narrow = narrow_sites();
         }
+        strips_.reset();
         if (narrow.is_any_moved() && replace_mesh(std::move(narrow.points))) {
             (settings_ ? result_.polished.emplace() : result_.trace.back()) = relaxation.variation(narrow.moved);
             report();
@@ -120,15 +121,15 @@ private:
         bool are_all_moved() const { return is_any_moved() && std::ranges::find(moved, 0) == moved.end(); }
     };
 
-    NarrowSites narrow_sites() const {
+    NarrowSites narrow_sites() {
         if (options_.iterations == 0 || stopping() || !options_.fixed.empty() || !has_narrow_places(*mesh_)) return {};
         NarrowSites sites;
         for (std::uint32_t v = 0; v < options_.sites; ++v) sites.points.push_back(mesh_->on_surface(v));
-        if (!even_out_narrow_strips(surface_, density_, capacity_, spacings_at_vertices(), sites.points,
-                                    *control_.executor, control_.stop))
-            return {};
-        for (std::uint32_t v = 0; v < options_.sites; ++v)
-            sites.moved.push_back(surface_.place(sites.points[v]) != mesh_->point(v) ? 1 : 0);
+        if (!strips_) {
+            strips_.emplace(surface_, density_, capacity_, spacings_at_vertices(), options_.sites, *control_.executor,
+                            control_.stop);
+        }
+        sites.moved = strips_->even_out(sites.points, control_.stop);
         return sites;
     }
 
@@ -243,6 +244,7 @@ private:
     std::optional<PolishSettings> settings_;  ///< none if there is no polish
     double capacity_ = 0;                     ///< integral of the density that belongs to each site
     std::optional<SurfaceTriangulation> mesh_;
+    std::optional<NarrowStrips> strips_;  ///< made when they are needed
     SurfaceDistribution result_;
     int round_ = 0;
 };

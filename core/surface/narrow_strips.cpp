@@ -8,7 +8,6 @@
 #include <limits>
 #include <utility>
 
-#include "core/ccdt/narrow_rows.h"
 #include "core/polish/cell_list.h"
 #include "core/surface/crease_vertices.h"
 #include "core/surface/face_tree.h"
@@ -81,27 +80,29 @@ std::vector<std::uint32_t> nearest_pieces(const std::vector<NarrowPiece<Point3>>
 
 }  // namespace
 
-bool even_out_narrow_strips(const Surface& surface, const SurfaceDensity& density, double capacity,
-                            std::vector<double> spacings, std::span<SurfacePoint> sites, Executor& executor,
-                            const std::stop_token& stop) {
-    const auto pieces = [&] {
-        const auto mesh = mesh_of_borders(surface, std::move(spacings), sites.size(), executor, stop);
-        return stop.stop_requested() ? std::vector<NarrowPiece<Point3>>{} : find_pieces(mesh, density, capacity);
-    }();
-    if (pieces.empty()) return false;
+NarrowStrips::NarrowStrips(const Surface& surface, const SurfaceDensity& density, double capacity,
+                           std::vector<double> spacings, std::size_t sites, Executor& executor,
+                           const std::stop_token& stop)
+    : surface_(surface) {
+    const auto mesh = mesh_of_borders(surface, std::move(spacings), sites, executor, stop);
+    if (!stop.stop_requested()) pieces_ = find_pieces(mesh, density, capacity);
+}
+
+std::vector<std::uint8_t> NarrowStrips::even_out(std::span<SurfacePoint> sites, const std::stop_token& stop) const {
+    if (pieces_.empty()) return {};
     std::vector<Point3> places;
-    for (const SurfacePoint& site : sites) places.push_back(surface.place(site));
+    for (const SurfacePoint& site : sites) places.push_back(surface_.place(site));
     std::vector<std::pair<std::uint32_t, std::uint32_t>> located;  // piece, site
-    for (std::uint32_t site = 0; const std::uint32_t piece : nearest_pieces(pieces, places)) {
+    for (std::uint32_t site = 0; const std::uint32_t piece : nearest_pieces(pieces_, places)) {
         if (piece != kNone) located.emplace_back(piece, site);
         ++site;
     }
     std::ranges::sort(located);
-    const auto component = [&](const SurfacePoint& at) { return surface.component(at.face); };
+    const auto component = [&](const SurfacePoint& at) { return surface_.component(at.face); };
     auto rows = narrow_rows(
-        pieces,
+        pieces_,
         [&](std::span<const std::uint32_t> walk) {
-            const std::uint32_t own = component(surface.nearest(pieces[walk.front()].centre));
+            const std::uint32_t own = component(surface_.nearest(pieces_[walk.front()].centre));
             std::vector<std::uint32_t> found;
             for (const std::uint32_t piece : walk) {
                 auto each = std::ranges::lower_bound(located, std::pair(piece, std::uint32_t{0}));
@@ -116,21 +117,19 @@ bool even_out_narrow_strips(const Surface& surface, const SurfaceDensity& densit
     std::vector<SurfacePoint> moved(sites.begin(), sites.end());
     std::erase_if(rows, [&](const NarrowRow<Point3>& row) {
         for (std::size_t i = 0; i < row.sites.size(); ++i) {
-            moved[row.sites[i]] = surface.nearest(row.places[i]);
+            moved[row.sites[i]] = surface_.nearest(row.places[i]);
             if (component(moved[row.sites[i]]) != component(sites[row.sites[i]])) return true;
         }
         return false;
     });
-    if (rows.empty() || stop.stop_requested()) return false;
-    const std::vector<Point3> before = places;
-    if (!move_rows<Point3>(
-            rows, places, [](std::span<const Point3> all) { return CellList3(all); },
-            [&](std::uint32_t a, std::uint32_t b) { return component(sites[a]) != component(sites[b]); }))
-        return false;
-    for (std::size_t i = 0; i < sites.size(); ++i) {
-        if (places[i] != before[i]) sites[i] = moved[i];
+    if (rows.empty() || stop.stop_requested()) return {};
+    auto is_moved = move_rows<Point3>(
+        rows, places, [](std::span<const Point3> all) { return CellList3(all); },
+        [&](std::uint32_t a, std::uint32_t b) { return component(sites[a]) != component(sites[b]); });
+    for (std::size_t i = 0; i < is_moved.size(); ++i) {
+        if (is_moved[i] != 0) sites[i] = moved[i];
     }
-    return true;
+    return is_moved;
 }
 
 }  // namespace ccdt
