@@ -201,6 +201,9 @@ std::vector<std::uint32_t> SitePolish::wide_triangles(std::uint32_t site) const 
     constexpr std::size_t kVisited = 150;  // about the triangles within five spacings
     constexpr std::size_t kMost = 16;
     constexpr double kPerDistance = 0.02;  // penalty for long moves, which disturb long waves more
+    // As far as the middle of a triangle of the hexagonal pattern is from its corners, in spacings. In strips of two
+    // rows, triangles are narrower, and sites relocated there would stay near others.
+    constexpr double kLeast = 0.62;
     std::vector<std::uint32_t> visited;
     mesh_.for_edges(site, [&](std::uint32_t h) { visited.push_back(h / 4); });
     for (std::size_t i = 0; i < visited.size() && visited.size() < kVisited; ++i) {
@@ -222,6 +225,7 @@ std::vector<std::uint32_t> SitePolish::wide_triangles(std::uint32_t site) const 
             if (v != site && dot(mesh_.face_normal(v), normal) > 0)
                 least = std::min(least, length(mesh_.point(v) - middle));
         });
+        if (least < kLeast * spacing) continue;
         wide.emplace_back((kPerDistance * length(middle - mesh_.point(site)) - least) / spacing, t);
     }
     std::ranges::sort(wide);

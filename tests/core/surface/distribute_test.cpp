@@ -220,6 +220,24 @@ TEST(DistributeOnSurface, KeepsSitesApartAtThinTips) {
     }
 }
 
+TEST(DistributeOnSurface, KeepsSitesApartInStripsOfOneOrTwoRows) {
+    constexpr std::size_t kSites = 200;
+    const double row = hexagonal_spacing(1);
+    for (const double width : {1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 2.0, 2.2}) {
+        // Three quarters of a circle, of the area 1 for each site.
+        const double length = static_cast<double>(kSites) / (width * row), radius = length / (1.5 * std::numbers::pi);
+        const Surface surface = surface_of(test::grid_surface(40, 1, [&](double u, double v) {
+            const double angle = 1.5 * std::numbers::pi * u;
+            return Point3{radius * std::cos(angle), radius * std::sin(angle), width * row * v};
+        }));
+        for (const std::uint64_t seed : {0, 1, 2}) {
+            SCOPED_TRACE(std::to_string(width) + " hexagonal spacings wide, seed " + std::to_string(seed));
+            const auto dots = distributed(surface, {.sites = kSites, .seed = seed});
+            EXPECT_GT(spacing_of(surface, places(surface, dots)).least, 0.45);
+        }
+    }
+}
+
 TEST(DistributeOnSurface, SpreadsSitesEvenlyOverLongThinFaces) {
     // A tube of needles: each quarter of its length has a quarter of the sites.
     for (const int sides : {40, 400, 4000}) {
