@@ -13,6 +13,7 @@
 #include "api/output/formats.h"
 #include "api/output/json_writer.h"
 #include "api/run/stopwatch.h"
+#include "core/halftone/field_plan.h"
 
 namespace ccdt::api {
 namespace {
@@ -248,6 +249,7 @@ Result<HalftoneRequest> parse_options(HalftoneRequest request, const std::vector
     errors.add(check_minutes(draft.request, inputs));
     errors.add(settle_detail(draft.request, inputs));
     if (auto settled = errors.result(); !settled) return tl::unexpected(settled.error());
+    if (draft.request.dots == Dots::Both) draft.request.run.quality = quality_of_sites(draft.request.run.quality);
     return std::move(draft.request);
 }
 

@@ -150,7 +150,6 @@ Estimate ink_polish_cost(const HalftoneRequest& request, const Options& options)
 Estimate placing_cost(const HalftoneRequest& request, double sites) {
     Options options = request.run;
     options.sites = static_cast<std::size_t>(sites);
-    if (request.dots == Dots::Both) options.quality = quality_of_sites(options.quality);
     return methods().front().cost(options, false) + ink_polish_cost(request, options);
 }
 

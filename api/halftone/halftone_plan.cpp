@@ -558,7 +558,6 @@ Result<std::vector<Distribution>> place_dots(const HalftoneRequest& request, Hal
     }
     Options run = request.run;
     run.keep_steps = false;
-    if (plan.field) run.quality = quality_of_sites(run.quality);
     auto dots = distribute_inks(*domain, densities, plan.sites, run, control, retouch);
     if (!dots) return about_image(dots.error(), request);
     for (const Distribution& each : *dots) {

@@ -42,7 +42,7 @@ struct HalftoneRequest {
     std::optional<std::size_t> sites;  ///< none: chosen by the server
     std::optional<double>
         minutes;  ///< maximum drawing time of a plotter; limits the number of sites that the server chooses
-    Options run;  ///< seed, iterations, passes, quality
+    Options run;  ///< seed, iterations, passes, quality; with Dots::Both, that of quality_of_sites()
     std::optional<double> scale;   ///< output pixels per input pixel; none: chosen by the server
     std::optional<int> width;      ///< pixels of the drawing; cannot be combined with `scale`
     std::optional<int> height;     ///< pixels of the drawing; cannot be combined with `scale`
