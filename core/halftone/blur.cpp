@@ -97,12 +97,12 @@ void blur_rows(const BoxFilter& box, std::size_t width, float* rows, std::size_t
     }
 }
 
-/// Returns the weights of a Gaussian at distances of whole pixels, the sum of whose samples on both sides is 1.
+/// Returns the weights of a Gaussian for both pixels at each distance. That of the middle, which is both, is halved.
 std::vector<float> gaussian(double sigma) {
     constexpr double kReach = 3;  // standard deviations
-    std::vector<double> samples{1};
+    std::vector<double> samples{0.5};
     for (int i = 1; i <= kReach * sigma + 0.5; ++i) samples.push_back(std::exp(-0.5 * i * i / (sigma * sigma)));
-    const double sum = 2 * std::accumulate(samples.begin(), samples.end(), -0.5);
+    const double sum = 2 * std::accumulate(samples.begin(), samples.end(), 0.0);
     std::vector<float> weights;
     for (const double sample : samples) weights.push_back(static_cast<float>(sample / sum));
     return weights;
@@ -119,32 +119,30 @@ CCDT_INLINE inline void add(float weight, const float* before, const float* afte
 void blur_directly(std::vector<float>& values, int width, int height, double sigma, std::vector<float>& scratch,
                    Executor& executor) {
     const std::vector<float> weights = gaussian(sigma);
-    const auto columns = static_cast<std::size_t>(width), reach = weights.size() - 1;
+    const float* const weight = weights.data();
+    const auto columns = static_cast<std::size_t>(width);
+    const int reach = static_cast<int>(weights.size()) - 1;
     scratch.resize(values.size());
-    const auto blur_row = [&](std::size_t y, std::vector<float>& sums) CCDT_INLINE {
-        const auto row = [&](int number) CCDT_INLINE {
-            return values.data() + static_cast<std::size_t>(mirrored(number, height)) * columns;
-        };
-        const auto middle = static_cast<int>(y);
-        float* const down = sums.data() + reach;
+    const auto row = [&](int y) CCDT_INLINE {
+        return values.data() + static_cast<std::size_t>(mirrored(y, height)) * columns;
+    };
+    // Blurs a row first down, with `reach` mirrored values before and after it, and then across.
+    const auto blur_row = [&](int y, float* down) CCDT_INLINE {
         std::fill_n(down, columns, 0.0f);
-        add(weights[0] / 2, row(middle), row(middle), down, columns);
-        for (int i = 1; i <= static_cast<int>(reach); ++i)
-            add(weights[static_cast<std::size_t>(i)], row(middle - i), row(middle + i), down, columns);
-        for (int i = 1; i <= static_cast<int>(reach); ++i) {
+        for (int i = 0; i <= reach; ++i) add(weight[i], row(y - i), row(y + i), down, columns);
+        for (int i = 1; i <= reach; ++i) {
             down[-i] = down[mirrored(-i, width)];
             down[width + i - 1] = down[mirrored(width + i - 1, width)];
         }
-        float* const out = scratch.data() + y * columns;
+        float* const out = scratch.data() + static_cast<std::size_t>(y) * columns;
         std::fill_n(out, columns, 0.0f);
-        for (std::size_t i = 0; i <= reach; ++i)
-            add(i > 0 ? weights[i] : weights[0] / 2, down - i, down + i, out, columns);
+        for (int i = 0; i <= reach; ++i) add(weight[i], down - i, down + i, out, columns);
     };
     for_ranges(executor, static_cast<std::size_t>(height), rows_of_task(width),
                [&](std::size_t begin, std::size_t end) {
-                   std::vector<float> sums(columns + 2 * reach);
+                   std::vector<float> sums(columns + 2 * static_cast<std::size_t>(reach));
                    with_lanes([&](auto) CCDT_INLINE {
-                       for (std::size_t y = begin; y < end; ++y) blur_row(y, sums);
+                       for (std::size_t y = begin; y < end; ++y) blur_row(static_cast<int>(y), sums.data() + reach);
                    });
                });
     values.swap(scratch);
