@@ -25,8 +25,9 @@ Some differences are decisions:
 - A layer that an AVIF selects (lsel) is shown. Chromium shows nothing.
 - Of animations, ccdt reads the default image or the first frame, as Pillow and ImageMagick do. Chromium draws a frame of
   the animation, of which the default image need not be part.
-- Icons and BMPs with RLE of 24 bits are refused by name, and pictures above --max-pixels by their size. Truncated or damaged pictures are refused, of which Chromium shows the part that is there:
-  also PNGs with wrong checksums or without IEND, JPEGs with wrong codes, GIFs with codes of more than 8 bits.
+- Icons and BMPs with RLE of 24 bits are refused by name, and pictures above --max-pixels by their size. Truncated or
+  damaged pictures are refused, of which Chromium shows the part that is there: also PNGs with wrong checksums or
+  without IEND, JPEGs with wrong codes, GIFs with codes of more than 8 bits.
 - A BMP whose alpha is zero everywhere is opaque, and not invisible.
 - Pixels that the runs of a BMP leave out have the first colour of the palette, as in Pillow and ImageMagick. Chromium
   makes them black.
