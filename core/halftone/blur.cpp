@@ -103,8 +103,8 @@ std::vector<float> gaussian(double sigma) {
     std::vector<double> samples{0.5};
     for (int i = 1; i <= kReach * sigma + 0.5; ++i) samples.push_back(std::exp(-0.5 * i * i / (sigma * sigma)));
     const double sum = 2 * std::accumulate(samples.begin(), samples.end(), 0.0);
-    std::vector<float> weights;
-    for (const double sample : samples) weights.push_back(static_cast<float>(sample / sum));
+    std::vector<float> weights(samples.size());
+    std::ranges::transform(samples, weights.begin(), [sum](double each) { return static_cast<float>(each / sum); });
     return weights;
 }
 

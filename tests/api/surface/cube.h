@@ -74,7 +74,7 @@ inline void expect_cube(std::string_view file, std::string_view warning = "", Po
     }
     const Box3 box = bounds_of(used);
     EXPECT_EQ(box.min, moved);
-    EXPECT_EQ(box.max, moved + Point3(1, 1, 1));
+    EXPECT_EQ(box.max, (moved + Point3{1, 1, 1}));
     EXPECT_NEAR(volume_of(soup), 1, 1e-12);
     EXPECT_EQ(contents->warnings.size(), warning.empty() ? 0U : 1U);
     for (const std::string& each : contents->warnings) EXPECT_NE(each.find(warning), std::string::npos) << each;
