@@ -117,7 +117,8 @@ TEST(HalftoneOptions, HaveDocumentedDefaults) {
     EXPECT_EQ(request->run.seed, 0U);
     EXPECT_EQ(request->run.iterations, 5);
     EXPECT_EQ(request->run.passes, 5);
-    EXPECT_EQ(request->run.quality, Quality::Standard);
+    EXPECT_EQ(request->run.quality, quality_of_sites(Quality::Standard));
+    EXPECT_EQ(parse({{"dots", "ink"}})->run.quality, Quality::Standard);
 }
 
 TEST(HalftoneOptions, ReadAllOptions) {
