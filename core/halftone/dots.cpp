@@ -27,26 +27,6 @@ struct Band {
     int clip(double y) const { return static_cast<int>(std::clamp<double>(y, top, bottom)); }
 };
 
-/// Radii of dots in canvas pixels: one radius for all dots, or one for each dot.
-class Radii {
-public:
-    explicit Radii(double all) : all_(all), largest_(all) {}
-
-    /// @param each   not empty
-    /// @param scale  canvas pixels per unit of the radii
-    Radii(std::span<const float> each, double scale)
-        : each_(each), scale_(scale), largest_(scale * static_cast<double>(*std::ranges::max_element(each))) {}
-
-    double operator[](std::size_t dot) const { return each_.empty() ? all_ : scale_ * static_cast<double>(each_[dot]); }
-    double largest() const { return largest_; }
-
-private:
-    std::span<const float> each_;
-    double scale_ = 1;
-    double all_ = 0;
-    double largest_;
-};
-
 /// Returns the rows of a band that lie at least partly within a distance of y.
 Band rows_within(double y, double reach, const Band& band) {
     return {band.clip(std::floor(y - reach)), band.clip(std::ceil(y + reach))};
@@ -115,17 +95,6 @@ public:
             }
         });
         return values;
-    }
-
-    /// Calls visit(band, dot) for each band and each dot that touches it.
-    template <class Visit>
-    void visit(Executor& executor, const std::stop_token& stop, const Visit& visit) const {
-        executor.run(dots_.size(), [&](std::size_t number) {
-            for (const std::uint32_t dot : dots_[number]) {
-                if (stop.stop_requested()) return;
-                visit(band_of(number), dot);
-            }
-        });
     }
 
 private:
@@ -255,14 +224,14 @@ Fitted fit_radius(std::span<const Point> dots, const Canvas& canvas, const DotOp
 /// the rims cross, each disc covers its share of the area that the other disc leaves bare. The result is a mixture of
 /// both rules with the weights 0.7 and 0.3. With these weights, the total coverage of flat greys is exact to 0.002 at a
 /// radius of 3 pixels, and to 0.005 at 1.5.
-Raster draw_soft(std::span<const Point> dots, const Canvas& canvas, const Radii& radii, const std::stop_token& stop,
+Raster draw_soft(std::span<const Point> dots, const Canvas& canvas, double radius, const std::stop_token& stop,
                  Executor& executor) {
     constexpr float kFacing = 0.7f;
-    const Bands bands(dots, canvas, radii.largest() + 0.5);
+    // A rim that is one pixel wide and falls off linearly adds pi / 12 to the area of a disc.
+    const double middle = std::sqrt(std::max(0.0, radius * radius - 1.0 / 12));
+    const auto core = static_cast<float>(middle > 0.5 ? (middle - 0.5) * (middle - 0.5) : -1);
+    const Bands bands(dots, canvas, radius + 0.5);
     const Values bare = bands.draw(1, executor, stop, [&](float* to, const Band& band, std::size_t dot) {
-        // A rim that is one pixel wide and falls off linearly adds pi / 12 to the area of a disc.
-        const double middle = std::sqrt(std::max(0.0, radii[dot] * radii[dot] - 1.0 / 12));
-        const auto core = static_cast<float>(middle > 0.5 ? (middle - 0.5) * (middle - 0.5) : -1);
         const auto cover = [core, middle, to](std::size_t pixel, float squared) {
             float& left = to[pixel];
             if (squared <= core) {
@@ -274,26 +243,11 @@ Raster draw_soft(std::span<const Point> dots, const Canvas& canvas, const Radii&
         };
         for_pixels_within(canvas.scale * dots[dot], canvas, band, middle + 0.5, cover);
     });
-    Raster raster{canvas.width, canvas.height, radii.largest(), {}};
+    Raster raster{canvas.width, canvas.height, radius, {}};
     raster.coverage.resize(bare.count);
     for_ranges(executor, bare.count, kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
         std::transform(bare.begin() + begin, bare.begin() + end, raster.coverage.data() + begin,
                        [](float left) { return static_cast<std::uint8_t>(std::lrint(255 * (1 - left))); });
-    });
-    return raster;
-}
-
-/// Draws discs without antialiasing: a pixel is covered if a disc contains its centre.
-Raster draw_hard(std::span<const Point> dots, const Canvas& canvas, const Radii& radii, const std::stop_token& stop,
-                 Executor& executor) {
-    Raster raster{canvas.width, canvas.height, radii.largest(), {}};
-    raster.coverage.resize(static_cast<std::size_t>(canvas.width) * static_cast<std::size_t>(canvas.height));
-    Bands(dots, canvas, radii.largest()).visit(executor, stop, [&](const Band& band, std::size_t dot) {
-        const auto limit = static_cast<float>(radii[dot] * radii[dot]);
-        const auto cover = [&](std::size_t pixel, float squared) {
-            if (squared <= limit) raster.coverage[pixel] = 255;
-        };
-        for_pixels_within(canvas.scale * dots[dot], canvas, band, radii[dot], cover);
     });
     return raster;
 }
@@ -313,17 +267,16 @@ void append_reduced(const Raster& fine, int samples, std::vector<std::uint8_t>& 
 }
 
 /// Draws with several samples per pixel. Proceeds band by band, so that only the samples of one band are in memory.
-/// @param radii  in samples
-Raster draw_samples(std::span<const Point> dots, const Canvas& canvas, const Radii& radii, int samples,
+Raster draw_samples(std::span<const Point> dots, const Canvas& canvas, double radius, int samples,
                     const std::stop_token& stop, Executor& executor) {
     constexpr int kBand = 1 << 20;  // approximate number of samples in a band
     const int samples_per_row = canvas.width * samples * samples;
-    Raster raster{canvas.width, canvas.height, radii.largest() / samples, {}};
+    Raster raster{canvas.width, canvas.height, radius, {}};
     std::vector<Point> shifted(dots.begin(), dots.end());
     for (int top = 0; top < canvas.height;) {
         const int rows = std::min(canvas.height - top, std::max(1, kBand / samples_per_row));
         const Canvas band{samples * canvas.width, samples * rows, samples * canvas.scale};
-        append_reduced(draw_soft(shifted, band, radii, stop, executor), samples, raster.coverage);
+        append_reduced(draw_soft(shifted, band, samples * radius, stop, executor), samples, raster.coverage);
         for (Point& dot : shifted) dot.y -= rows / canvas.scale;
         top += rows;
     }
@@ -350,11 +303,9 @@ Raster draw_dots(std::span<const Point> dots, const Canvas& canvas, const DotOpt
                                           static_cast<std::size_t>(canvas.height))};
     }
     if (options.samples == 1 && options.antialias)
-        return draw_soft(dots, canvas, Radii(options.radius.value()), stop, executor);
+        return draw_soft(dots, canvas, options.radius.value(), stop, executor);
     if (options.samples > 1) {
-        const Radii radii(options.samples * options.radius.value());
-        Raster raster = draw_samples(dots, canvas, radii, options.samples, stop, executor);
-        raster.radius = *options.radius;
+        Raster raster = draw_samples(dots, canvas, options.radius.value(), options.samples, stop, executor);
         if (!options.antialias) diffuse(raster.coverage, raster.width, raster.height);
         return raster;
     }
@@ -376,16 +327,6 @@ Raster draw_dots(std::span<const Point> dots, const Canvas& canvas, const DotOpt
         options.antialias ? std::transform(from, last, to, covered) : std::transform(from, last, to, is_covered);
     });
     return raster;
-}
-
-Raster draw_dots(std::span<const Point> dots, std::span<const float> radii, const Canvas& canvas, bool antialias,
-                 int samples, const std::stop_token& stop, Executor& executor) {
-    assert(dots.size() == radii.size() && samples >= 1);
-    if (dots.empty()) return draw_dots({}, canvas, {}, stop, executor);
-    if (samples > 1) return draw_samples(dots, canvas, Radii(radii, samples * canvas.scale), samples, stop, executor);
-    const Radii scaled(radii, canvas.scale);
-    return antialias ? draw_soft(dots, canvas, scaled, stop, executor)
-                     : draw_hard(dots, canvas, scaled, stop, executor);
 }
 
 }  // namespace ccdt

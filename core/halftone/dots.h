@@ -24,7 +24,7 @@ struct Canvas {
 struct Raster {
     int width = 0;
     int height = 0;
-    double radius = 0;                   ///< radius of the dots in pixels; if radii differ, the largest
+    double radius = 0;                   ///< radius of the dots in pixels
     std::vector<std::uint8_t> coverage;  ///< [width * height], row by row from the top
 };
 
@@ -60,17 +60,5 @@ int samples_for(double radius, const Canvas& canvas, bool antialias);
 /// Deterministic for any number of threads. O(pixels + dots + total area of the dots).
 Raster draw_dots(std::span<const Point> dots, const Canvas& canvas, const DotOptions& options,
                  const std::stop_token& stop = {}, Executor& executor = inline_executor());
-
-/// Draws discs of individual radii. Where discs overlap, the area counts once.
-///
-/// @param dots       finite; may lie outside the canvas
-/// @param radii      [dots] in units of the dots' coordinates, >= 0
-/// @param antialias  whether rims are antialiased; if not, a pixel is covered if its centre is
-/// @param samples    number of samples along each side of a pixel, >= 1; if above 1, the raster is antialiased in any
-///                   case
-/// @param stop       polled at each dot; after a stop the result must not be used
-/// Deterministic for any number of threads. O(pixels + dots + total area of the dots).
-Raster draw_dots(std::span<const Point> dots, std::span<const float> radii, const Canvas& canvas, bool antialias,
-                 int samples, const std::stop_token& stop = {}, Executor& executor = inline_executor());
 
 }  // namespace ccdt
