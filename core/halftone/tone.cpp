@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
 #include "core/halftone/pixel_ranges.h"
 
@@ -17,10 +16,6 @@ constexpr float kLinearBelow = 216.0f / 24389.0f;
 constexpr float kSlope = 24389.0f / 2700.0f;
 
 constexpr double kMinInkPerDot = 0.5, kMaxSites = 100'000;
-
-double ink_of(const std::vector<float>& coverage) {
-    return std::accumulate(coverage.begin(), coverage.end(), 0.0);
-}
 
 }  // namespace
 
@@ -75,10 +70,6 @@ std::size_t sites_of_drawing(double ink, double fineness, double scale, double p
     const double area = std::numbers::pi * radius * radius;
     const double sites = std::min({ink * scale * scale / area, ink / kMinInkPerDot, kMaxSites});
     return std::clamp(static_cast<std::size_t>(sites), std::size_t{1}, std::max(limit, std::size_t{1}));
-}
-
-double default_scale(const std::vector<float>& coverage, std::size_t sites) {
-    return default_scale(ink_of(coverage), coverage.size(), sites);
 }
 
 double default_scale(double ink, std::size_t pixels, std::size_t sites) {

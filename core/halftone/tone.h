@@ -69,10 +69,9 @@ inline constexpr double kMaxCanvasPixels = 16e6;
 /// which dots that reproduce the picture's mean tone have a radius of at least 3 canvas pixels, and thus look round. If
 /// the canvas would have more than kMaxCanvasPixels, the number is smaller, and need not be whole. The result is
 /// limited to the range from 0.1 to kLargestScale.
-double default_scale(const std::vector<float>& coverage, std::size_t sites);
-
-/// Returns the default scale of a picture, given its ink and its number of pixels.
-/// @param ink  sum of the shares that dots cover, in pixels of the picture
+///
+/// @param ink     sum of the shares that dots cover, in pixels of the picture
+/// @param pixels  number of pixels of the picture
 double default_scale(double ink, std::size_t pixels, std::size_t sites);
 
 }  // namespace ccdt

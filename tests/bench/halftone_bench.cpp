@@ -66,7 +66,7 @@ void Halftone(benchmark::State& state) {
         tone.push_back(clock.lap());
         const Distribution sites = *distribute(domain, density, options);
         core.push_back(clock.lap());
-        const double scale = default_scale(coverage, options.sites);
+        const double scale = default_scale(density.total(), coverage.size(), options.sites);
         const double mean = density.total() / static_cast<double>(coverage.size());
         const Canvas canvas{static_cast<int>(std::lround(picture.width * scale)),
                             static_cast<int>(std::lround(picture.height * scale)), scale};

@@ -75,10 +75,6 @@ TEST(SitesOfDrawing, AreBounded) {
     EXPECT_EQ(sites_of_drawing(1, 0, 1e-9, 1, kRadiusOfDiscs, 0), 1u);
 }
 
-std::vector<float> ink(std::size_t pixels, float coverage) {
-    return std::vector<float>(pixels, coverage);
-}
-
 constexpr std::size_t kNoLimit = 1'000'000;
 
 TEST(DefaultSites, IsOnePerEightPixelsOfInk) {
@@ -105,17 +101,17 @@ TEST(DefaultSites, StaysInRange) {
 
 TEST(DefaultScale, GivesDotRadiusOfThreePixels) {
     // Dots of 2 pixels of ink have a radius of sqrt(2 / pi) = 0.798 pixels.
-    EXPECT_EQ(default_scale(ink(10'000, 0.5f), 2500), 4);
+    EXPECT_EQ(default_scale(5'000, 10'000, 2500), 4);
     // Larger dots need no enlargement.
-    EXPECT_EQ(default_scale(ink(10'000, 1), 100), 1);
+    EXPECT_EQ(default_scale(10'000, 10'000, 100), 1);
 }
 
 TEST(DefaultScale, StaysInRange) {
-    EXPECT_EQ(default_scale(ink(100, 0), 10), 16);
-    EXPECT_EQ(default_scale(ink(100, 0.01f), 100), 16);
-    EXPECT_EQ(default_scale(ink(1'000'000, 1), 1), 1);
-    EXPECT_NEAR(default_scale(ink(64'000'000, 1), 100'000), 0.5, 1e-9);
-    const double scale = default_scale(ink(4'000'000, 1), 4'000'000);
+    EXPECT_EQ(default_scale(0, 100, 10), 16);
+    EXPECT_EQ(default_scale(1, 100, 100), 16);
+    EXPECT_EQ(default_scale(1e6, 1'000'000, 1), 1);
+    EXPECT_NEAR(default_scale(64e6, 64'000'000, 100'000), 0.5, 1e-9);
+    const double scale = default_scale(4e6, 4'000'000, 4'000'000);
     EXPECT_NEAR(scale * scale * 4e6, 16e6, 1);
 }
 
