@@ -283,18 +283,6 @@ Result<HalftoneRequest> parse_halftone(const HalftoneInput& input, std::string_v
     return with_image(parse_options(std::move(request), input.options, accept, limits), input);
 }
 
-Result<HalftoneRequest> parse_halftone(std::string_view image, const std::vector<TextOption>& options,
-                                       std::string_view accept, const Limits& limits) {
-    return parse_halftone(read_halftone(image, options, limits), accept, limits);
-}
-
-Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::vector<TextOption>& options,
-                                            std::string_view accept, const Limits& limits) {
-    const auto input = read_halftone_json(body, options, limits);
-    if (!input) return tl::unexpected(input.error());
-    return parse_halftone(*input, accept, limits);
-}
-
 Result<PlacedHalftone> place_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
                                       const Control& control, Timings& timings) {
     Stopwatch watch;

@@ -28,13 +28,6 @@ std::vector<std::string_view> halftone_options();
 /// expensive work: the image is not decoded.
 Result<HalftoneRequest> parse_halftone(const HalftoneInput& input, std::string_view accept, const Limits& limits);
 
-/// Reads a request by read_halftone() or read_halftone_json(), and then parses its options. Errors: those of reading
-/// and of parsing.
-Result<HalftoneRequest> parse_halftone(std::string_view image, const std::vector<TextOption>& options,
-                                       std::string_view accept, const Limits& limits);
-Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::vector<TextOption>& options,
-                                            std::string_view accept, const Limits& limits);
-
 /// A halftone whose dots are placed. It can be written in several formats.
 struct PlacedHalftone {
     HalftonePlan plan;

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "api/halftone/halftone.h"
 #include "api/sample/sample_parser.h"
 #include "tests/api/files.h"
+#include "tests/support/halftone_requests.h"
 
 namespace ccdt::api {
 namespace {

@@ -24,6 +24,7 @@
 #include "api/sample/volume_sample.h"
 #include "tests/api/files.h"
 #include "tests/api/image/rasters.h"
+#include "tests/support/halftone_requests.h"
 #include "tests/support/surfaces.h"
 
 namespace ccdt::api {

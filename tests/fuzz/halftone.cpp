@@ -4,6 +4,7 @@
 #include "server/http/http.h"
 #include "tests/fuzz/checks.h"
 #include "tests/fuzz/halftone_checks.h"
+#include "tests/support/halftone_requests.h"
 
 namespace ccdt::fuzz {
 namespace {

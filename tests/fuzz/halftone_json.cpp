@@ -2,6 +2,7 @@
 #include "server/http/http.h"
 #include "tests/fuzz/checks.h"
 #include "tests/fuzz/halftone_checks.h"
+#include "tests/support/halftone_requests.h"
 
 /// Parses a request to /halftone with a JSON body. The input is a line with the query, then the body.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

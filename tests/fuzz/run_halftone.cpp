@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <array>
 
-#include "api/halftone/halftone.h"
 #include "api/halftone/halftone_cost.h"
 #include "tests/fuzz/answer_checks.h"
 #include "tests/fuzz/extreme_pictures.h"
 #include "tests/fuzz/extremes.h"
+#include "tests/support/halftone_requests.h"
 #include "tests/support/shapes.h"
 
 namespace ccdt::fuzz {

@@ -13,6 +13,7 @@
 #include "api/text/numbers.h"
 #include "tests/api/files.h"
 #include "tests/api/image/rasters.h"
+#include "tests/support/halftone_requests.h"
 
 namespace ccdt::api {
 namespace {
