@@ -127,13 +127,11 @@ private:
     /// Replaces the common part of the cyan, magenta and yellow plates with a black plate.
     void take_black_out(std::vector<Raster>& plates) const {
         Raster black = plates.front();
-        for_ranges(executor_, black.coverage.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) {
-                unsigned common = 255;
-                for (const Raster& plate : plates) common = std::min<unsigned>(common, plate.coverage[i]);
-                black.coverage[i] = static_cast<std::uint8_t>(common);
-                for (Raster& plate : plates) plate.coverage[i] = static_cast<std::uint8_t>(plate.coverage[i] - common);
-            }
+        for_pixels(executor_, black.coverage.size(), [&](std::size_t i) {
+            unsigned common = 255;
+            for (const Raster& plate : plates) common = std::min<unsigned>(common, plate.coverage[i]);
+            black.coverage[i] = static_cast<std::uint8_t>(common);
+            for (Raster& plate : plates) plate.coverage[i] = static_cast<std::uint8_t>(plate.coverage[i] - common);
         });
         plates.push_back(std::move(black));
     }

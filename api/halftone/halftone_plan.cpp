@@ -43,10 +43,6 @@ struct SeparatedPicture {
     }
 };
 
-double sum(const std::vector<float>& values, Executor& executor) {
-    return sum_of_pixels(executor, values.size(), [&](std::size_t i) { return static_cast<double>(values[i]); });
-}
-
 double all_pixels(PictureSize size) {
     return static_cast<double>(size.width) * size.height;
 }
@@ -170,7 +166,7 @@ double drawn_share(const std::vector<std::vector<float>>& coverage, const Halfto
                    Executor& executor) {
     if (request.dots == Dots::Both) return minority_area(coverage, executor);
     double ink = 0;
-    for (const auto& each : coverage) ink += sum(each, executor);
+    for (const auto& each : coverage) ink += sum_of(executor, each);
     return ink;
 }
 
@@ -270,7 +266,7 @@ bool is_paper(const HalftoneRequest& request, const std::vector<std::vector<floa
     if (request.dots != Dots::Both) return true;
     const bool is_black = request.palette.mixing == Mixing::Add;
     return std::ranges::all_of(coverage, [&](const std::vector<float>& each) {
-        return sum(each, executor) == (is_black ? static_cast<double>(each.size()) : 0);
+        return sum_of(executor, each) == (is_black ? static_cast<double>(each.size()) : 0);
     });
 }
 
@@ -511,7 +507,7 @@ Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits&
     plan.picture = picture->size;
     plan.warnings = warnings_of(request);
     std::vector<double> ink;
-    for (const auto& each : separation.coverage) ink.push_back(sum(each, *control.executor) * picture->cell_area());
+    for (const auto& each : separation.coverage) ink.push_back(sum_of(*control.executor, each) * picture->cell_area());
     const double all_ink = drawn_share(separation.coverage, request, *control.executor) * picture->cell_area();
     if (!(all_ink > 0) && is_paper(request, separation.coverage, *control.executor)) return nothing_to_draw(request);
     const std::size_t pixels =

@@ -107,9 +107,7 @@ DotImage cover(Raster raster, const Palette& palette, bool antialias, Executor& 
                      std::move(raster.coverage)};
     if (antialias) return picture;
     picture.palette[1] = picture.palette[255];
-    for_ranges(executor, picture.pixels.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) picture.pixels[i] >>= 7;
-    });
+    for_pixels(executor, picture.pixels.size(), [&](std::size_t i) { picture.pixels[i] >>= 7; });
     return picture;
 }
 

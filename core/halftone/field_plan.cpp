@@ -142,10 +142,6 @@ public:
 private:
     std::size_t size() const { return plan_.channels.front().sharp.size(); }
 
-    double sum(const std::vector<float>& values) const {
-        return sum_of_pixels(executor_, values.size(), [&](std::size_t i) { return static_cast<double>(values[i]); });
-    }
-
     /// Finds the edges of each channel or, for sets of inks, of the picture: their shares change much where colours
     /// change little.
     void find_steepness(double pitch) {
@@ -183,7 +179,8 @@ private:
     /// Determines the number of sites and the radius of the largest dots, those at the luminance 1/2.
     void choose_sites() {
         find_density(0);
-        const double dots = 0.5 * sum(plan_.density) / static_cast<double>(density_of(0.5f, 0.5f).density);
+        const double dots =
+            0.5 * sum_of(executor_, plan_.density) / static_cast<double>(density_of(0.5f, 0.5f).density);
         if (options_.sites) {
             plan_.sites = static_cast<double>(*options_.sites);
         } else {
@@ -227,12 +224,12 @@ private:
         constexpr int kRounds = 6;
         constexpr double kMost = 4, kTiny = 1e-30;
         const std::vector<float> free = plan_.density;
-        double scale = plan_.sites / std::max(sum(free), kTiny);
+        double scale = plan_.sites / std::max(sum_of(executor_, free), kTiny);
         for (int round = 0; round < kRounds; ++round) {
             for_pixels(executor_, free.size(), [&](std::size_t i) {
                 plan_.density[i] = std::min(free[i] * static_cast<float>(scale), most_[i]);
             });
-            scale *= std::min(plan_.sites / std::max(sum(plan_.density), kTiny), kMost);
+            scale *= std::min(plan_.sites / std::max(sum_of(executor_, plan_.density), kTiny), kMost);
         }
     }
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <numeric>
+#include <span>
 #include <vector>
 
 #include "core/parallel/executor.h"
@@ -49,6 +50,11 @@ double sum_of_pixels(Executor& executor, std::size_t pixels, const Value& value)
         sums[begin / kPixelsOfSum] = sum;
     });
     return std::accumulate(sums.begin(), sums.end(), 0.0);
+}
+
+/// Returns the sum of values in the manner of sum_of_pixels().
+inline double sum_of(Executor& executor, std::span<const float> values) {
+    return sum_of_pixels(executor, values.size(), [&](std::size_t i) { return static_cast<double>(values[i]); });
 }
 
 }  // namespace ccdt

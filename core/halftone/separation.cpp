@@ -173,12 +173,10 @@ Separation separate(const ColourPicture& picture, const InkSet& inks, Tone tone,
         }
     };
     const auto columns = static_cast<std::size_t>(picture.width);
-    for_ranges(executor, static_cast<std::size_t>(picture.height), rows_of_task(picture.width),
-               [&](std::size_t begin, std::size_t end) {
-                   for (std::size_t row = begin; row < end && !stop.stop_requested(); ++row) {
-                       for (std::size_t p = row * columns; p < (row + 1) * columns; ++p) separate_pixel(p);
-                   }
-               });
+    for_rows(executor, picture.width, static_cast<std::size_t>(picture.height), [&](std::size_t row) {
+        if (stop.stop_requested()) return;
+        for (std::size_t p = row * columns; p < (row + 1) * columns; ++p) separate_pixel(p);
+    });
     return separation;
 }
 
@@ -190,12 +188,10 @@ std::vector<std::vector<float>> channel_coverage(const ColourPicture& picture, c
     std::vector<std::vector<float>> coverage(planes.size(), std::vector<float>(picture.red.size()));
     for (std::size_t c = 0; c < planes.size(); ++c) {
         const float full = inks.additive ? 1 : map(paper[c]);
-        for_ranges(executor, picture.red.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t p = begin; p < end; ++p) {
-                const float alpha = picture.alpha.empty() ? 1 : to_share(picture.alpha[p]);
-                const float seen = std::lerp(map(paper[c]), map((*planes[c])[p]), alpha);
-                coverage[c][p] = full > 0 ? 1 - std::min(seen / full, 1.0f) : 0;
-            }
+        for_pixels(executor, picture.red.size(), [&](std::size_t p) {
+            const float alpha = picture.alpha.empty() ? 1 : to_share(picture.alpha[p]);
+            const float seen = std::lerp(map(paper[c]), map((*planes[c])[p]), alpha);
+            coverage[c][p] = full > 0 ? 1 - std::min(seen / full, 1.0f) : 0;
         });
     }
     return coverage;

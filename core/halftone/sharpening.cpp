@@ -24,21 +24,16 @@ std::vector<float> sharpened(const std::vector<float>& cover, int width, int hei
     std::vector<float> sharp = cover;
     if (!(sigma > 0)) return sharp;
     std::vector<float> ink(cover.size()), paper(cover.size()), scratch;
-    const auto for_pixels = [&](const auto& work) {
-        for_ranges(executor, cover.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) work(i);
-        });
-    };
     for (int step = 0; step < kSteps; ++step) {
-        for_pixels([&](std::size_t i) { ink[i] = sharp[i]; });
+        for_pixels(executor, cover.size(), [&](std::size_t i) { ink[i] = sharp[i]; });
         blur(ink, width, height, sigma, scratch, executor);
-        for_pixels([&](std::size_t i) {
+        for_pixels(executor, cover.size(), [&](std::size_t i) {
             paper[i] = ratio(1 - cover[i], 1 - ink[i]);
             ink[i] = ratio(cover[i], ink[i]);
         });
         blur(ink, width, height, sigma, scratch, executor);
         blur(paper, width, height, sigma, scratch, executor);
-        for_pixels([&](std::size_t i) {
+        for_pixels(executor, cover.size(), [&](std::size_t i) {
             const float dark = sharp[i] * ink[i], light = (1 - sharp[i]) * paper[i];
             if (dark + light > kNothing) sharp[i] = dark / (dark + light);
         });

@@ -34,13 +34,11 @@ float to_share(float value) {
 
 std::vector<float> ink_coverage(const Picture& picture, Tone tone, bool invert, Executor& executor) {
     std::vector<float> coverage(picture.luminance.size());
-    for_ranges(executor, coverage.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const float luminance = to_share(picture.luminance[i]);
-            const float light = tone == Tone::Perceptual ? lightness(luminance) : luminance;
-            coverage[i] = std::clamp(invert ? light : 1 - light, 0.0f, 1.0f);
-            if (!picture.alpha.empty()) coverage[i] *= to_share(picture.alpha[i]);
-        }
+    for_pixels(executor, coverage.size(), [&](std::size_t i) {
+        const float luminance = to_share(picture.luminance[i]);
+        const float light = tone == Tone::Perceptual ? lightness(luminance) : luminance;
+        coverage[i] = std::clamp(invert ? light : 1 - light, 0.0f, 1.0f);
+        if (!picture.alpha.empty()) coverage[i] *= to_share(picture.alpha[i]);
     });
     return coverage;
 }

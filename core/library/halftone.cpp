@@ -240,8 +240,7 @@ private:
     /// Draws discs of ink or of paper, all of one size.
     void draw_discs(Halftone& result) {
         std::vector<float> coverage = grey_coverage();
-        const double drawn = ccdt::sum_of_pixels(execution_.executor(), coverage.size(),
-                                                 [&](std::size_t i) { return static_cast<double>(coverage[i]); });
+        const double drawn = ccdt::sum_of(execution_.executor(), coverage);
         if (!(drawn > 0)) refuse();
         choose_cells(drawn);
         Coverage cover;
