@@ -67,21 +67,6 @@ Layout layout_of(const DotImage& image, std::optional<double> width_mm) {
     return layout;
 }
 
-/// Converts a row of values to a row of the file.
-void pack_row(const std::uint8_t* values, std::size_t count, const Layout& layout, png_byte* row) {
-    if (layout.bit_depth == 8) {
-        std::transform(values, values + count, row, [&](std::uint8_t value) { return layout.stored[value]; });
-        return;
-    }
-    const auto step = static_cast<std::size_t>(8 / layout.bit_depth);
-    for (std::size_t x = 0; x < count; x += step) {
-        unsigned bits = 0;
-        for (std::size_t i = 0; i < step; ++i)
-            bits = bits << layout.bit_depth | (x + i < count ? layout.stored[values[x + i]] : 0U);
-        *row++ = static_cast<png_byte>(bits);
-    }
-}
-
 struct Sink {
     std::string bytes;
     bool failed = false;
@@ -122,11 +107,12 @@ void write_header(png_structp png, png_infop info, const DotImage& image, const 
     const png_uint_32 density = layout.pixels_per_metre;
     if (density > 0) png_set_pHYs(png, info, density, density, PNG_RESOLUTION_METER);
     png_write_info(png, info);
+    png_set_packing(png);  // rows have at least a byte per value
 }
 
 /// Writes the file. libpng reports errors by longjmp() into this function, so the function must not have local objects
 /// with destructors.
-/// @param row      buffer for one row of the file
+/// @param row      buffer for one row
 /// @param set_row  fills the buffer, as set_row(y, row); must not throw
 /// @returns        false on an error or a stop
 template <class SetRow>
@@ -164,7 +150,10 @@ Result<std::string> write_file(const DotImage& image, const Layout& layout, std:
 
 Result<std::string> write_png(const DotImage& image, std::optional<double> width_mm, const std::stop_token& stop) {
     const Layout layout = layout_of(image, width_mm);
-    const auto set_row = [&](int y, png_byte* row) { pack_row(image.row(y), image.row_size(), layout, row); };
+    const auto set_row = [&](int y, png_byte* row) {
+        std::transform(image.row(y), image.row(y) + image.row_size(), row,
+                       [&](std::uint8_t value) { return layout.stored[value]; });
+    };
     return write_file(image, layout, image.row_size(), set_row, stop);
 }
 
