@@ -31,6 +31,11 @@ std::optional<Colour> parse_colour(std::string_view text) {
 
 }  // namespace
 
+int squared_distance(const Colour& a, const Colour& b) {
+    const int red = a.red - b.red, green = a.green - b.green, blue = a.blue - b.blue;
+    return red * red + green * green + blue * blue;
+}
+
 std::string hexadecimal(const Colour& colour) {
     constexpr std::string_view kHex = "0123456789abcdef";
     std::string text = "#";

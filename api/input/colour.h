@@ -23,6 +23,9 @@ struct Colour {
 inline constexpr Colour kBlack = {0, 0, 0};
 inline constexpr Colour kWhite = {255, 255, 255};
 
+/// Returns the squared distance between two colours in sRGB, which has 256 values per channel.
+int squared_distance(const Colour& a, const Colour& b);
+
 /// Writes a colour as `#rrggbb`; a transparent colour as `#000000`.
 std::string hexadecimal(const Colour& colour);
 

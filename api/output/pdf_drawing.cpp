@@ -158,15 +158,6 @@ private:
     std::size_t count_ = 0;
 };
 
-/// Draws discs. Each path has up to kChunk discs.
-template <class DrawDisc>
-void fill_discs(PdfPage& page, std::size_t count, const Colour& colour, DrawDisc&& draw_disc) {
-    for (std::size_t i = 0; i < count && page.should_continue(); ++i) {
-        draw_disc(i);
-        if ((i + 1) % kChunk == 0 || i + 1 == count) page.fill(colour);
-    }
-}
-
 void draw_pen(const Plot& plot, const Pen& pen, PdfPage& page) {
     if (plot.style != DotStyle::Fill) {
         PdfStrokes strokes(page, pen);
@@ -175,8 +166,11 @@ void draw_pen(const Plot& plot, const Pen& pen, PdfPage& page) {
     }
     const PageMapping place(plot.page, plot.page.unit());
     for (const PenRun& run : pen.runs) {
-        fill_discs(page, run.path.size(), pen.colour,
-                   [&](std::size_t i) { page.disc(place(run.points[run.path[i]]), pen.radius); });
+        const std::size_t count = run.path.size();
+        for (std::size_t i = 0; i < count && page.should_continue(); ++i) {
+            page.disc(place(run.points[run.path[i]]), pen.radius);
+            if ((i + 1) % kChunk == 0 || i + 1 == count) page.fill(pen.colour);
+        }
     }
 }
 

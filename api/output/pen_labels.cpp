@@ -26,12 +26,7 @@ constexpr std::array<NamedColour, 20> kNamed = {{
 
 /// Returns the name of the nearest colour, by the squared distance in sRGB.
 std::string_view nearest_colour_name(const Colour& colour) {
-    const auto distance = [&](const NamedColour& other) {
-        const int red = colour.red - other.colour.red;
-        const int green = colour.green - other.colour.green;
-        const int blue = colour.blue - other.colour.blue;
-        return red * red + green * green + blue * blue;
-    };
+    const auto distance = [&](const NamedColour& other) { return squared_distance(colour, other.colour); };
     return std::ranges::min_element(kNamed, {}, distance)->name;
 }
 

@@ -159,10 +159,7 @@ int index_of(const Colour& colour) {
                                                  kBlack,
                                                  {128, 128, 128},
                                                  {192, 192, 192}}};
-    const auto distance = [&](const Colour& other) {
-        const int red = colour.red - other.red, green = colour.green - other.green, blue = colour.blue - other.blue;
-        return red * red + green * green + blue * blue;
-    };
+    const auto distance = [&](const Colour& other) { return squared_distance(colour, other); };
     return 1 + static_cast<int>(std::ranges::min_element(kIndexed, {}, distance) - kIndexed.begin());
 }
 

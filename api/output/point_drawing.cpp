@@ -140,23 +140,14 @@ public:
     void dots(const Plot& plot, const Pen& pen, const PenRun& run, const PlacedPath& centres,
               const std::stop_token& stop) {
         if (plot.style != DotStyle::Fill) return strokes(plot, pen, run, stop);
-        discs(
-            centres, [&](std::size_t) { return pen.radius; }, pen.colour, stop);
-    }
-
-    /// @param radius_of  returns the radius of a dot, by its index in the path
-    template <class RadiusOf>
-    void discs(const PlacedPath& centres, const RadiusOf& radius_of, const Colour& colour,
-               const std::stop_token& stop) {
-        write(R"(<g fill=")", hexadecimal(colour), "\">\n");
-        for_chunks(centres, stop, [&](std::size_t first, std::size_t end) {
-            for (std::size_t i = first; i < end; ++i) {
-                const Point c = centres[i];
-                write(R"(<circle cx=")", c.x, R"(" cy=")", c.y, R"(" r=")", radius_of(i));
-                if (centres.are_ranked()) write(R"(" data-rank=")", std::to_string(centres.rank(i)));
-                write("\"/>\n");
-            }
-        });
+        write(R"(<g fill=")", hexadecimal(pen.colour), "\">\n");
+        for (std::size_t i = 0; i < centres.size(); ++i) {
+            if (i % kChunk == 0 && (!body_.flush() || stop.stop_requested())) break;
+            const Point c = centres[i];
+            write(R"(<circle cx=")", c.x, R"(" cy=")", c.y, R"(" r=")", pen.radius);
+            if (centres.are_ranked()) write(R"(" data-rank=")", std::to_string(centres.rank(i)));
+            write("\"/>\n");
+        }
         write("</g>\n");
     }
 
@@ -231,13 +222,6 @@ private:
         trace(plot, pen, run, medium);
         medium.close();
         write("</g>\n");
-    }
-
-    /// Calls function(first, end) for ranges of kChunk dots. Ends early on a stop, or if the sink of the body fails.
-    template <class Function>
-    void for_chunks(const PlacedPath& centres, const std::stop_token& stop, Function&& function) {
-        for (std::size_t i = 0; i < centres.size() && body_.flush() && !stop.stop_requested(); i += kChunk)
-            function(i, std::min(i + kChunk, centres.size()));
     }
 
     void append(std::string_view words) { body_.text() += words; }
