@@ -15,8 +15,8 @@
 #include "core/halftone/ink_mixture.h"
 #include "core/halftone/pixel_ranges.h"
 #include "core/halftone/srgb.h"
+#include "core/halftone/tone.h"
 #include "core/halftone/total_variation.h"
-#include "core/halftone/visibility.h"
 
 namespace ccdt {
 

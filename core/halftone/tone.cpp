@@ -23,6 +23,12 @@ float lightness(float luminance) {
     return luminance <= kLinearBelow ? luminance * kSlope : 1.16f * std::cbrt(luminance) - 0.16f;
 }
 
+float lightness_slope(float luminance) {
+    if (luminance <= kLinearBelow) return kSlope;
+    const float root = std::cbrt(luminance);
+    return 1.16f / 3 / (root * root);
+}
+
 float luminance(float lightness) {
     const float root = (lightness + 0.16f) / 1.16f;
     return lightness <= kLinearBelow * kSlope ? lightness / kSlope : root * root * root;

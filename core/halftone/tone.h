@@ -19,6 +19,9 @@ enum class Tone {
 /// Returns the CIE 1976 lightness of a relative luminance, both in [0, 1].
 float lightness(float luminance);
 
+/// Returns the slope of lightness() at a relative luminance in [0, 1].
+float lightness_slope(float luminance);
+
 /// Returns the relative luminance of a lightness; the inverse of lightness().
 float luminance(float lightness);
 
