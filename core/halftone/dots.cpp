@@ -117,50 +117,32 @@ private:
     std::vector<std::vector<std::uint32_t>> dots_;
 };
 
-/// Squared distance from each pixel's centre to the centre of the nearest dot; infinite beyond a given reach.
-class DistanceMap {
-public:
-    DistanceMap(std::span<const Point> dots, const Canvas& canvas, double reach, const std::stop_token& stop,
-                Executor& executor)
-        : squared_(Bands(dots, canvas, reach)
-                       .draw(std::numeric_limits<float>::infinity(), executor, stop,
-                             [&](float* to, const Band& band, std::size_t dot) {
-                                 const auto keep_less = [to](std::size_t pixel, float squared) {
-                                     to[pixel] = std::min(to[pixel], squared);
-                                 };
-                                 for_pixels_within(canvas.scale * dots[dot], canvas, band, reach, keep_less);
-                             })) {}
+/// Returns the squared distance from each pixel's centre to the centre of the nearest dot; infinite beyond a reach.
+Values squared_distances(std::span<const Point> dots, const Canvas& canvas, double reach, const std::stop_token& stop,
+                         Executor& executor) {
+    const auto draw = [&](float* to, const Band& band, std::size_t dot) {
+        const auto keep_less = [to](std::size_t pixel, float squared) { to[pixel] = std::min(to[pixel], squared); };
+        for_pixels_within(canvas.scale * dots[dot], canvas, band, reach, keep_less);
+    };
+    return Bands(dots, canvas, reach).draw(std::numeric_limits<float>::infinity(), executor, stop, draw);
+}
 
-    const Values& squared() const { return squared_; }
-
-    /// Returns the k-th smallest squared distance, with k from 1; infinite beyond the reach.
-    float smallest(std::size_t k) const {
-        // Positive floats are ordered like their bits. So a radix selection finds the upper, then the lower 16 bits.
-        const std::uint32_t upper = select(k, [](std::uint32_t bits) { return bits >> 16; });
-        const std::uint32_t lower =
-            select(k, [&](std::uint32_t bits) { return bits >> 16 == upper ? bits & 0xffff : kOther; });
-        return std::bit_cast<float>(upper << 16 | lower);
-    }
-
-private:
-    static constexpr std::uint32_t kOther = ~std::uint32_t{0};
-
-    /// Returns the k-th smallest key of all values, with k from 1. Keys kOther do not count. On return, k is the rank
-    /// of the value among the values with the same key.
-    template <class Key>
-    std::uint32_t select(std::size_t& k, Key&& key) const {
+/// Returns the k-th smallest of values that are not negative, with k from 1.
+float smallest(const Values& values, std::size_t k) {
+    // Positive floats are ordered like their bits. So a radix selection finds the upper, then the lower 16 bits.
+    std::uint32_t found = 0;
+    for (const int shift : {16, 0}) {
         std::vector<std::size_t> count(1 << 16, 0);
-        for (const float value : squared_) {
-            const std::uint32_t bucket = key(std::bit_cast<std::uint32_t>(value));
-            if (bucket != kOther) ++count[bucket];
+        for (const float value : values) {
+            const auto bits = std::bit_cast<std::uint32_t>(value);
+            if (shift == 16 || bits >> 16 == found >> 16) ++count[bits >> shift & 0xffff];
         }
-        std::uint32_t bucket = 0;
-        for (; count[bucket] < k; ++bucket) k -= count[bucket];
-        return bucket;
+        std::uint32_t digits = 0;
+        for (; count[digits] < k; ++digits) k -= count[digits];
+        found |= digits << shift;
     }
-
-    Values squared_;
-};
+    return std::bit_cast<float>(found);
+}
 
 /// Returns the share of a pixel that a disc covers.
 /// @param inside  distance of the pixel's centre from the rim, positive inside the disc
@@ -192,7 +174,7 @@ double antialiased_radius(const Values& squared, double mean_coverage, double re
 }
 
 struct Fitted {
-    DistanceMap map;
+    Values squared;
     double radius;
 };
 
@@ -206,12 +188,12 @@ Fitted fit_radius(std::span<const Point> dots, const Canvas& canvas, const DotOp
     const double without_overlap = std::sqrt(mean_coverage * pixels / (kPi * static_cast<double>(dots.size())));
     const double furthest = std::hypot(canvas.width, canvas.height) + 1;
     for (double reach = std::min(1.4 * without_overlap + 2, furthest);; reach = std::min(1.6 * reach, furthest)) {
-        DistanceMap map(dots, canvas, reach, stop, executor);
-        const float squared = map.smallest(std::max(wanted, std::size_t{1}));
+        Values map = squared_distances(dots, canvas, reach, stop, executor);
+        const float squared = smallest(map, std::max(wanted, std::size_t{1}));
         const double margin = options.antialias ? 1 : 0;
         if (reach < furthest && !stop.stop_requested() && !(std::sqrt(static_cast<double>(squared)) + margin < reach))
             continue;
-        const double radius = options.antialias ? antialiased_radius(map.squared(), mean_coverage, reach)
+        const double radius = options.antialias ? antialiased_radius(map, mean_coverage, reach)
                               : wanted == 0     ? -1
                                                 : std::min(std::sqrt(static_cast<double>(squared)), reach);
         return {std::move(map), radius};
@@ -309,11 +291,11 @@ Raster draw_dots(std::span<const Point> dots, const Canvas& canvas, const DotOpt
         if (!options.antialias) diffuse(raster.coverage, raster.width, raster.height);
         return raster;
     }
-    const Fitted fitted = options.radius
-                              ? Fitted{DistanceMap(dots, canvas, *options.radius + 1, stop, executor), *options.radius}
-                              : fit_radius(dots, canvas, options, stop, executor);
+    const Fitted fitted =
+        options.radius ? Fitted{squared_distances(dots, canvas, *options.radius + 1, stop, executor), *options.radius}
+                       : fit_radius(dots, canvas, options, stop, executor);
     Raster raster{canvas.width, canvas.height, std::max(0.0, fitted.radius), {}};
-    const Values& squared = fitted.map.squared();
+    const Values& squared = fitted.squared;
     raster.coverage.resize(squared.count);
     const auto limit = fitted.radius < 0 ? -1.0f : static_cast<float>(fitted.radius * fitted.radius);
     const auto is_covered = [limit](float value) { return static_cast<std::uint8_t>(value <= limit ? 255 : 0); };
