@@ -74,18 +74,14 @@ constexpr std::array<OptionRule<Draft>, 15> kRules = {{
                   Draft& d) { return assign(d.request.format, read_format(i, device_formats())); }},
 }};
 
-const Input& input_of(std::string_view name, const HalftoneInput& input) {
-    return *std::ranges::find(input.options, name, &Input::name);
-}
-
 /// Sets the colours of the device `custom`.
 Result<void> settle_colours(Draft& draft, const HalftoneInput& input) {
     Device& device = draft.request.device;
     const bool is_custom = device.sent.empty();
     if (draft.palette && !is_custom)
-        return malformed(input_of("palette", input), "is the list of colours of device=custom only");
+        return malformed(input.option("palette"), "is the list of colours of device=custom only");
     if (!draft.palette && is_custom)
-        return malformed(input_of("device", input), "is custom, so palette is needed: the list of its colours");
+        return malformed(input.option("device"), "is custom, so palette is needed: the list of its colours");
     if (is_custom) device.sent = device.seen = *std::move(draft.palette);
     return {};
 }
@@ -93,10 +89,10 @@ Result<void> settle_colours(Draft& draft, const HalftoneInput& input) {
 Result<void> check_formats(const DeviceRequest& request, const HalftoneInput& input) {
     for (const std::string_view option : {"bit_order", "invert_bits"}) {
         if (input.has(option) && request.format != &kRawPixels)
-            return malformed(input_of(option, input), "is an option of format=raw only");
+            return malformed(input.option(option), "is an option of format=raw only");
     }
     if (request.format == &kEscposPixels && request.device.sent.size() != 2) {
-        const Input& cause = input_of(input.has("format") ? "format" : "device", input);
+        const Input& cause = input.option(input.has("format") ? "format" : "device");
         return malformed(cause, "cannot be combined: ESC/POS printers need a device of two colours, such as 1bit");
     }
     return {};
@@ -104,12 +100,12 @@ Result<void> check_formats(const DeviceRequest& request, const HalftoneInput& in
 
 Result<void> check_spot(const DeviceRequest& request, const HalftoneInput& input) {
     if (request.spot == 0 || request.device.sent.size() == 2) return {};
-    return malformed(input_of("spot", input), "needs a device of two colours, such as 1bit");
+    return malformed(input.option("spot"), "needs a device of two colours, such as 1bit");
 }
 
 Result<void> check_sides(const DeviceRequest& request, const HalftoneInput& input) {
     if (!input.has("fit") || (request.width && request.height)) return {};
-    return malformed(input_of("fit", input), "needs width and height");
+    return malformed(input.option("fit"), "needs width and height");
 }
 
 FrameSize size_of_picture(const DeviceRequest& request) {

@@ -58,7 +58,6 @@ struct Draft {
     std::optional<Palette> palette;
     std::optional<Colour> foreground;
     std::optional<Colour> background;
-    bool has_pen = false;
 };
 
 constexpr std::array<OptionRule<Draft>, 33> kRules = {{
@@ -94,7 +93,7 @@ constexpr std::array<OptionRule<Draft>, 33> kRules = {{
     {"width_mm", [](const Input& i, const Limits&, Draft& d) { return read_width_mm(i, d.request.drawing); }},
     {"style", [](const Input& i, const Limits&, Draft& d) { return read_style(i, d.request.drawing); }},
     {"closed", [](const Input& i, const Limits&, Draft& d) { return read_closed(i, d.request.drawing); }},
-    {"pen", [](const Input& i, const Limits&, Draft& d) { d.has_pen = true; return read_pen(i, d.request.drawing); }},
+    {"pen", [](const Input& i, const Limits&, Draft& d) { return read_pen(i, d.request.drawing); }},
     {"speed", [](const Input& i, const Limits&, Draft& d) { return read_speed(i, d.request.drawing); }},
     {"dwell", [](const Input& i, const Limits&, Draft& d) { return read_dwell(i, d.request.drawing); }},
     {"dwell_unit", [](const Input& i, const Limits&, Draft& d) { return read_dwell_unit(i, d.request.drawing); }},
@@ -105,11 +104,11 @@ constexpr std::array<OptionRule<Draft>, 33> kRules = {{
 }};
 
 /// Checks that a request for inks with the mixing Multiply or Add gives no `foreground` and, with Add, no `background`.
-Result<void> check_colours(const Palette& palette, const std::vector<Input>& inputs) {
-    for (const Input& input : inputs) {
-        if (input.name == "foreground") return malformed(input, "is an option of color=gray only");
-        if (input.name == "background" && palette.mixing == Mixing::Add)
-            return malformed(input, "is not an option of color=rgb, whose background is black");
+Result<void> check_colours(const Palette& palette, const HalftoneInput& input) {
+    for (const Input& option : input.options) {
+        if (option.name == "foreground") return malformed(option, "is an option of color=gray only");
+        if (option.name == "background" && palette.mixing == Mixing::Add)
+            return malformed(option, "is not an option of color=rgb, whose background is black");
     }
     return {};
 }
@@ -122,11 +121,9 @@ void colour_ink(Draft& draft) {
     palette.paper = draft.background.value_or(invert ? kBlack : kWhite);
 }
 
-Result<void> settle_palette(Draft& draft, const std::vector<Input>& inputs) {
-    if (draft.palette && draft.color) {
-        const auto palette = std::ranges::find(inputs, "palette", &Input::name);
-        return malformed(*palette, "replaces color: give only one of them");
-    }
+Result<void> settle_palette(Draft& draft, const HalftoneInput& input) {
+    if (draft.palette && draft.color)
+        return malformed(input.option("palette"), "replaces color: give only one of them");
     Palette& palette = draft.request.palette;
     if (draft.color) palette = *std::move(draft.color);
     if (draft.palette) palette = *std::move(draft.palette);
@@ -135,11 +132,7 @@ Result<void> settle_palette(Draft& draft, const std::vector<Input>& inputs) {
         return {};
     }
     palette.paper = draft.background.value_or(palette.paper);
-    return check_colours(palette, inputs);
-}
-
-const Input& input_of(std::string_view name, const std::vector<Input>& inputs) {
-    return *std::ranges::find(inputs, name, &Input::name);
+    return check_colours(palette, input);
 }
 
 /// Returns whether a format cannot draw holes in ink.
@@ -160,37 +153,37 @@ std::string_view obstacle_to_both(const HalftoneRequest& request) {
 
 /// Chooses the shapes of the dots. By default, drawings have Dots::Both, and lists have Dots::Ink. Must be called after
 /// the format is known.
-Result<void> settle_sides(Draft& draft, const std::vector<Input>& inputs) {
+Result<void> settle_sides(Draft& draft, const HalftoneInput& input) {
     if (draft.dots && draft.invert && *draft.invert != (*draft.dots == Dots::Paper))
-        return malformed(input_of("invert", inputs), "contradicts dots: invert=true means dots=paper");
+        return malformed(input.option("invert"), "contradicts dots: invert=true means dots=paper");
     const std::string_view obstacle = obstacle_to_both(draft.request);
     Dots& dots = draft.request.dots;
     const Dots usual = obstacle.empty() && draft.request.format->is_drawn() ? Dots::Both : Dots::Ink;
     dots = draft.dots.value_or(draft.invert ? *draft.invert ? Dots::Paper : Dots::Ink : usual);
-    if (dots == Dots::Both && !obstacle.empty()) return malformed(input_of("dots", inputs), std::string(obstacle));
+    if (dots == Dots::Both && !obstacle.empty()) return malformed(input.option("dots"), std::string(obstacle));
     const bool is_grey = draft.color.value_or(Palette{}).mixing == Mixing::Cover && !draft.palette;
     if (dots == Dots::Paper && !is_grey)
-        return malformed(input_of(draft.dots ? "dots" : "invert", inputs),
+        return malformed(input.option(draft.dots ? "dots" : "invert"),
                          "makes light dots on black, which are available with color=gray only");
     return {};
 }
 
 /// Checks that a size in pixels is given for drawings only, and not by two options that contradict each other.
-Result<void> check_size(const HalftoneRequest& request, const std::vector<Input>& inputs) {
+Result<void> check_size(const HalftoneRequest& request, const HalftoneInput& input) {
     const bool is_sized = request.width || request.height;
-    for (const Input& input : inputs) {
-        const bool is_side = input.name == "width" || input.name == "height";
-        if ((is_side || input.name == "fit") && !request.format->is_drawn())
-            return malformed(input, "is an option of drawings only; lists of dots are in pixels of the picture");
-        if (is_side && request.scale) return malformed(input, "replaces scale: give only one of them");
-        if (input.name == "fit" && !(request.width && request.height))
-            return malformed(input, is_sized ? "needs both width and height" : "needs width and height");
+    for (const Input& option : input.options) {
+        const bool is_side = option.name == "width" || option.name == "height";
+        if ((is_side || option.name == "fit") && !request.format->is_drawn())
+            return malformed(option, "is an option of drawings only; lists of dots are in pixels of the picture");
+        if (is_side && request.scale) return malformed(option, "replaces scale: give only one of them");
+        if (option.name == "fit" && !(request.width && request.height))
+            return malformed(option, is_sized ? "needs both width and height" : "needs width and height");
     }
     return {};
 }
 
 /// Decides whether the drawing is for a screen or for print. Drawings for print are by default not antialiased.
-Result<void> settle_size(Draft& draft, const std::vector<Input>& inputs) {
+Result<void> settle_size(Draft& draft, const HalftoneInput& input) {
     HalftoneRequest& request = draft.request;
     const RasterWriter* const raster = request.format->raster();
     const bool is_sized = request.width || request.height;
@@ -198,56 +191,55 @@ Result<void> settle_size(Draft& draft, const std::vector<Input>& inputs) {
     request.on_screen = !is_print && (is_sized || (raster != nullptr && !raster->is_for_print));
     request.antialias = draft.antialias.value_or(request.on_screen);
     request.may_be_scaled = request.on_screen && !is_sized && !draft.antialias;
-    return check_size(request, inputs);
+    return check_size(request, input);
 }
 
 /// Sets the detail to 0 for tone=density, whose dots follow the picture without sharpening.
-Result<void> settle_detail(HalftoneRequest& request, const std::vector<Input>& inputs) {
+Result<void> settle_detail(HalftoneRequest& request, const HalftoneInput& input) {
     if (request.tone != Tone::Density) return {};
-    const auto detail = std::ranges::find(inputs, "detail", &Input::name);
-    if (detail != inputs.end() && request.detail > 0)
-        return malformed(*detail, "is not an option of tone=density, whose dots follow the picture without sharpening");
+    if (input.has("detail") && request.detail > 0)
+        return malformed(input.option("detail"),
+                         "is not an option of tone=density, whose dots follow the picture without sharpening");
     request.detail = 0;
     return {};
 }
 
 /// Checks that the request gives width_mm if it gives the radius in millimetres. Checks that sizes of dots that follow
 /// from the tones are not also given.
-Result<void> check_dot(const HalftoneRequest& request, const std::vector<Input>& inputs) {
+Result<void> check_dot(const HalftoneRequest& request, const HalftoneInput& input) {
     if (request.dot && request.sites && request.dots == Dots::Both)
-        return malformed(input_of("dot", inputs),
+        return malformed(input.option("dot"),
                          "cannot be given together with sites if dots=both: leave one of them out");
     if (!request.dot || !request.dot->millimetres || request.drawing.width_mm) return {};
-    const auto dot = std::ranges::find(inputs, "dot", &Input::name);
-    return malformed(*dot, "in mm needs width_mm, the width of the drawing in millimetres");
+    return malformed(input.option("dot"), "in mm needs width_mm, the width of the drawing in millimetres");
 }
 
 /// Checks the option `minutes`, the drawing time of a plotter, which limits the number of dots.
-Result<void> check_minutes(const HalftoneRequest& request, const std::vector<Input>& inputs) {
+Result<void> check_minutes(const HalftoneRequest& request, const HalftoneInput& input) {
     if (!request.minutes) return {};
-    if (request.sites) return malformed(input_of("minutes", inputs), "replaces sites: give only one of them");
+    if (request.sites) return malformed(input.option("minutes"), "replaces sites: give only one of them");
     if (request.drawing.width_mm) return {};
-    return malformed(input_of("minutes", inputs), "needs width_mm, the width of the drawing in millimetres");
+    return malformed(input.option("minutes"), "needs width_mm, the width of the drawing in millimetres");
 }
 
-Result<HalftoneRequest> parse_options(HalftoneRequest request, const std::vector<Input>& inputs,
-                                      std::string_view accept, const Limits& limits) {
+Result<HalftoneRequest> parse_options(const HalftoneInput& input, std::string_view accept, const Limits& limits) {
     Draft draft;
-    draft.request = std::move(request);
-    if (auto read = read_options<Draft>(kRules, inputs, limits, draft); !read) return tl::unexpected(read.error());
+    draft.request.image_field = input.image_field;
+    if (auto read = read_options<Draft>(kRules, input.options, limits, draft); !read)
+        return tl::unexpected(read.error());
     ErrorList errors;
     errors.add(settle_format(accept, halftone_formats(), draft.request.format));
     if (draft.request.format != nullptr) {
-        errors.add(settle_sides(draft, inputs));
-        errors.add(settle_size(draft, inputs));
-        draft.request.drawing.pen_follows = draft.request.drawing.style == DotStyle::Path && !draft.has_pen;
+        errors.add(settle_sides(draft, input));
+        errors.add(settle_size(draft, input));
+        draft.request.drawing.pen_follows = draft.request.drawing.style == DotStyle::Path && !input.has("pen");
         errors.add(draft.request.format->check_drawing(draft.request.drawing, draft.request.field_of("width_mm")));
     }
     errors.add(check_closed(draft.request.drawing, draft.request.field_of("closed")));
-    errors.add(settle_palette(draft, inputs));
-    errors.add(check_dot(draft.request, inputs));
-    errors.add(check_minutes(draft.request, inputs));
-    errors.add(settle_detail(draft.request, inputs));
+    errors.add(settle_palette(draft, input));
+    errors.add(check_dot(draft.request, input));
+    errors.add(check_minutes(draft.request, input));
+    errors.add(settle_detail(draft.request, input));
     if (auto settled = errors.result(); !settled) return tl::unexpected(settled.error());
     if (draft.request.dots == Dots::Both) draft.request.run.quality = quality_of_sites(draft.request.run.quality);
     return std::move(draft.request);
@@ -278,9 +270,7 @@ std::vector<std::string_view> halftone_options() {
 }
 
 Result<HalftoneRequest> parse_halftone(const HalftoneInput& input, std::string_view accept, const Limits& limits) {
-    HalftoneRequest request;
-    request.image_field = input.image_field;
-    return with_image(parse_options(std::move(request), input.options, accept, limits), input);
+    return with_image(parse_options(input, accept, limits), input);
 }
 
 Result<PlacedHalftone> place_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,

@@ -25,6 +25,9 @@ struct HalftoneInput {
     bool has(std::string_view option) const {
         return std::ranges::find(options, option, &Input::name) != options.end();
     }
+
+    /// Returns an option that is given.
+    const Input& option(std::string_view name) const { return *std::ranges::find(options, name, &Input::name); }
 };
 
 /// Reads a request whose image is the body or a part of a form. Options are given as text.
