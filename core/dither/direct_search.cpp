@@ -15,10 +15,6 @@ namespace ccdt {
 
 namespace {
 
-constexpr std::size_t index(int i) {
-    return static_cast<std::size_t>(i);
-}
-
 /// Direct binary search that changes pixels of a picture in the colours of a device.
 /// @tparam Channels  1 for a device with greys only, 4 for other devices; as in VisualError
 template <std::size_t Channels>

@@ -19,10 +19,6 @@ namespace ccdt {
 
 namespace {
 
-constexpr std::size_t index(int i) {
-    return static_cast<std::size_t>(i);
-}
-
 /// Integrates a density over each pixel.
 std::vector<double> masses_of(const Density& density, int width, int height, Executor& executor) {
     std::vector<double> masses(index(width) * index(height), 1);

@@ -16,10 +16,6 @@ namespace ccdt {
 
 namespace {
 
-constexpr std::size_t index(int i) {
-    return static_cast<std::size_t>(i);
-}
-
 /// Squares around a pixel whose print an exchange with a neighbour may change: kSide x kSide.
 constexpr int kReach = 2, kSide = 2 * kReach + 1;
 constexpr std::size_t kSquares = index(kSide * kSide);

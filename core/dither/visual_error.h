@@ -12,6 +12,11 @@
 
 namespace ccdt {
 
+/// Converts a coordinate that is not negative to the type of indices.
+constexpr std::size_t index(int i) {
+    return static_cast<std::size_t>(i);
+}
+
 /// Blur of an eye that resolves about three pixels: standard deviation, in pixels.
 inline constexpr double kEyeBlur = 1.5;
 
@@ -87,8 +92,6 @@ private:
     static constexpr std::array<float, kLevels> kWeights = {1, 0.05f, 0.05f, 0.1f};
 
     using Kernel = std::array<float, kSide>;
-
-    static constexpr std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
     /// Stored values of one level, with a margin around the picture to which changes near the border also write.
     struct Level {
