@@ -64,8 +64,6 @@ double channels_of(const HalftoneRequest& request) {
 
 /// Returns the maximum number of cells in which a field is planned.
 double planned_cells(const HalftoneRequest& request, double sites) {
-    // Assumes that dots draw a quarter of the picture, like rough_radius().
-    constexpr double kShare = 0.25;
     const ImageHeader& header = request.image.header;
     const auto pixels = static_cast<double>(header.pixels());
     if (request.fit == Fit::Cover || (request.dot && !request.sites)) {
@@ -74,7 +72,7 @@ double planned_cells(const HalftoneRequest& request, double sites) {
         constexpr double kCellsPerDot = 200, kFewest = 64 * 64;
         return std::min(pixels, kCellsPerDot * sites + kFewest);
     }
-    const double radius = std::sqrt(kShare * pixels / (std::numbers::pi * std::max(sites, 1.0)));
+    const double radius = std::sqrt(kDrawnShare * pixels / (std::numbers::pi * std::max(sites, 1.0)));
     const CellGrid cells = resolved_cells(static_cast<int>(header.width), static_cast<int>(header.height), radius);
     return static_cast<double>(cells.columns) * cells.rows;
 }

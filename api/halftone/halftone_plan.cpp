@@ -76,11 +76,7 @@ double rough_radius(const HalftoneRequest& request, PictureSize size, double ink
                     const Limits& limits) {
     const double pixels = all_pixels(size);
     const std::size_t usual = request.sites ? *request.sites : usual_sites(request, size, ink, fineness, limits);
-    // For Dots::Both, the area that dots draw is not known yet, because it is measured in cells, whose size follows
-    // from the radius. A quarter of the picture is assumed. Darker and lighter pictures have smaller dots, but these
-    // need no finer cells.
-    constexpr double kShare = 0.25;
-    const double drawn = request.dots == Dots::Both ? kShare * pixels : ink;
+    const double drawn = request.dots == Dots::Both ? kDrawnShare * pixels : ink;
     const auto canvas = settled_canvas(request, size, limits);
     if (has_screen_radius(request)) return screen_radius(*canvas, fineness);
     if (request.sites || !request.dot) return std::sqrt(drawn / (std::numbers::pi * static_cast<double>(usual)));

@@ -17,6 +17,11 @@ namespace ccdt {
 /// Largest number of sets of inks that a drawing uses.
 inline constexpr std::size_t kMaxInkSets = 8;
 
+/// Share of a picture that the dots and holes of a field are assumed to draw, as the argument of resolved_cells(). The
+/// true share is measured in these cells. In darker and lighter pictures it is smaller, but smaller dots need no finer
+/// cells.
+inline constexpr double kDrawnShare = 0.25;
+
 /// Options of a drawing by one field.
 struct FieldOptions {
     std::optional<std::size_t> sites;  ///< number of sites, >= 1

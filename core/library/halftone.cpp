@@ -254,10 +254,7 @@ private:
 
     /// Draws areas of ink by one field.
     void draw_areas(Halftone& result) {
-        // The area that dots draw is measured in cells, whose size follows from the radius. A quarter of the picture is
-        // assumed.
-        constexpr double kShare = 0.25;
-        choose_cells(kShare * pixels());
+        choose_cells(ccdt::kDrawnShare * pixels());
         Coverage light = channel_coverage();
         const bool is_white = std::ranges::all_of(light, [](const std::vector<float>& channel) {
             return std::ranges::all_of(channel, [](float share) { return share == 0; });
