@@ -53,7 +53,7 @@ double inks_of(const HalftoneRequest& request) {
 
 /// Returns whether the request is for Dots::Both with several channels that are custom inks.
 bool has_ink_channels(const HalftoneRequest& request) {
-    return has_channels(request) && request.palette.mixing == Mixing::Multiply && !is_cmyk(request.palette.inks);
+    return request.dots == Dots::Both && has_sets(request.palette);
 }
 
 /// Returns the number of channels of a field.

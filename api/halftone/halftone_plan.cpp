@@ -398,11 +398,6 @@ Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, Sep
     return {};
 }
 
-/// Returns whether a drawing by one field has custom inks, whose mixtures need sets of inks.
-bool has_sets(const Palette& palette) {
-    return palette.mixing == Mixing::Multiply && !is_cmyk(palette.inks);
-}
-
 /// Plans a drawing by one field.
 FieldPlan plan_field(const HalftoneRequest& request, SeparatedPicture& picture, const FieldOptions& options,
                      const Control& control) {

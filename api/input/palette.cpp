@@ -32,6 +32,10 @@ bool is_cmyk(std::span<const Ink> inks) {
     return std::ranges::equal(inks, cmyk().inks, {}, &Ink::colour, &Ink::colour);
 }
 
+bool has_sets(const Palette& palette) {
+    return palette.mixing == Mixing::Multiply && !is_cmyk(palette.inks);
+}
+
 Result<Palette> read_color(const Input& input) {
     static constexpr std::array<Choice<Palette (*)()>, 3> kPalettes = {{{"gray", gray}, {"cmyk", cmyk}, {"rgb", rgb}}};
     return read_choice<Palette (*)()>(input, kPalettes).map([](const auto make) { return make(); });

@@ -33,6 +33,9 @@ struct Palette {
 /// Returns whether inks are cyan, magenta, yellow and black, in this order. Readers of print files assume this order.
 bool is_cmyk(std::span<const Ink> inks);
 
+/// Returns whether inks are custom ones that mix, so that a drawing by one field needs sets of inks.
+bool has_sets(const Palette& palette);
+
 /// Reads one of the words `gray`, `cmyk` and `rgb`; `gray` is a single opaque black ink.
 Result<Palette> read_color(const Input& input);
 
