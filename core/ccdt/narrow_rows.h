@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <queue>
 #include <span>
 #include <stop_token>
@@ -137,10 +138,7 @@ public:
     std::vector<Place> distribute(std::size_t sites, std::vector<std::uint32_t>& owner,
                                   std::vector<double>& distance) const {
         constexpr int kRounds = 24;
-        // Equal steps along a path need no further rounds, in which sites would move away from sharp bends.
-        const bool is_path = std::ranges::all_of(walk_, [&](std::uint32_t piece) {
-            return std::ranges::count(pieces_[piece].neighbours, NarrowPiece<Place>::kNone) > 0;
-        });
+        if (auto places = along_line(sites, owner, distance)) return *std::move(places);
         std::vector<std::uint32_t> at = equal_steps(sites);
         std::vector<Place> centres(sites);
         for (int round = 0; round < kRounds; ++round) {
@@ -155,7 +153,7 @@ public:
             for (std::size_t site = 0; site < sites; ++site) {
                 centres[site] = held[site] > 0 ? 1 / held[site] * centres[site] : pieces_[at[site]].centre;
             }
-            if (is_path || !move_to(centres, owner, at)) break;
+            if (!move_to(centres, owner, at)) break;
         }
         for (std::size_t site = 0; site < sites; ++site) {
             if (!pieces_[at[site]].contains(centres[site])) centres[site] = pieces_[at[site]].centre;
@@ -164,6 +162,63 @@ public:
     }
 
 private:
+    static constexpr std::uint32_t kNone = NarrowPiece<Place>::kNone;
+
+    /// Returns positions at equal steps of capacity on the line through the middles of the edges between successive
+    /// pieces. In a triangle, capacity grows linearly along this line. Returns none if the strip has branches.
+    /// @param order, held  scratch memory [pieces]
+    std::optional<std::vector<Place>> along_line(std::size_t sites, std::vector<std::uint32_t>& order,
+                                                 std::vector<double>& held) const {
+        constexpr double kBranch = 0.5;  // least capacity of a branch, in sites
+        const auto count = static_cast<std::uint32_t>(walk_.size());
+        for (const std::uint32_t piece : walk_) {
+            order[piece] = kNone;
+            held[piece] = pieces_[piece].sites;
+        }
+        std::vector<std::uint32_t> parent(count, 0), heaviest(count, kNone);  // in the walk, which is a tree
+        std::size_t links = 0;
+        for (std::uint32_t i = 0; i < count; ++i) {
+            for (const std::uint32_t next : pieces_[walk_[i]].neighbours) {
+                if (next == kNone || order[next] == kNone) continue;
+                parent[i] = std::max(parent[i], order[next]);
+                ++links;
+            }
+            order[walk_[i]] = i;
+        }
+        if (links > count) return std::nullopt;  // several loops
+        for (std::uint32_t i = count - 1; i > 0; --i) {
+            std::uint32_t& child = heaviest[parent[i]];
+            if (child == kNone || held[walk_[child]] < held[walk_[i]]) child = i;
+            held[walk_[parent[i]]] += held[walk_[i]];
+        }
+        const double step = all_ / static_cast<double>(sites);
+        std::vector<Place> places;
+        double done = 0;
+        Place from = middle_between(walk_.front(), walk_.back());
+        for (std::uint32_t i = 0; i != kNone; i = heaviest[i]) {
+            const std::uint32_t piece = walk_[i], next = walk_[heaviest[i] == kNone ? 0 : heaviest[i]];
+            const double own = held[piece] - (heaviest[i] == kNone ? 0 : held[next]);  // with its short branches
+            if (own - pieces_[piece].sites > kBranch * step) return std::nullopt;
+            const Place to = middle_between(piece, next);
+            for (double at = 0;
+                 places.size() < sites && (at = (static_cast<double>(places.size()) + 0.5) * step) <= done + own;)
+                places.push_back(from + (at - done) / own * (to - from));
+            done += own;
+            from = to;
+        }
+        places.resize(sites, from);
+        return places;
+    }
+
+    /// Returns the middle of the edge between two pieces; if there is none, the centre of the first one.
+    Place middle_between(std::uint32_t piece, std::uint32_t next) const {
+        const NarrowPiece<Place>& at = pieces_[piece];
+        for (std::size_t i = 0; i < 3; ++i) {
+            if (walk_.size() > 2 && at.neighbours[i] == next) return 0.5 * (at.corners[i] + at.corners[(i + 1) % 3]);
+        }
+        return at.centre;
+    }
+
     /// Returns the pieces in which a walk through the strip has completed equal steps of capacity.
     std::vector<std::uint32_t> equal_steps(std::size_t sites) const {
         std::vector<std::uint32_t> at;
