@@ -61,6 +61,11 @@ private:
         return unusable_surface(SurfaceFormat::Obj, words_.place() + reason);
     }
 
+    static tl::unexpected<Error> wrong_corner(std::string_view word, const FacePlace& place, std::string_view why) {
+        return unusable_surface(SurfaceFormat::Obj,
+                                place.text() + " has the corner " + quoted(word) + ", which " + std::string(why));
+    }
+
     Result<void> read_statement(std::string_view word) {
         switch (statement_of(word)) {
             case Statement::Vertex:
@@ -145,9 +150,14 @@ private:
         std::vector<std::array<std::uint32_t, 2>>& corners = corners_;
         const std::size_t first = corners.size();
         std::size_t size = 0;
+        bool ends_in_slash = false;  // whether the corner before does
         for (std::string_view word = words_.next_in_line(); !word.empty(); word = words_.next_in_line(), ++size) {
             if constexpr (Sink::kReads) {
                 if (auto right = read_corner(word, place); !right) return right;
+                const bool has_slash = word.find('/') != std::string_view::npos;
+                if (ends_in_slash && !has_slash)
+                    return wrong_corner(word, place, "follows a slash and a blank, so it may be another number");
+                ends_in_slash = word.ends_with('/');
             }
         }
         if constexpr (Sink::kReads) {
@@ -167,9 +177,7 @@ private:
         std::string_view rest = word;
         const auto vertex = resolve(take_until(rest, "/"), positions_.size(), place, largest_vertex_);
         const std::string_view second = take_until(rest, "/");
-        if (!vertex)
-            return unusable_surface(SurfaceFormat::Obj,
-                                    place.text() + " has the corner " + quoted(word) + ", which refers to no vertex");
+        if (!vertex) return wrong_corner(word, place, "refers to no vertex");
         auto texture = kNone;
         if (!second.empty()) {
             const auto found = resolve(second, texture_.size(), place, largest_texture_);

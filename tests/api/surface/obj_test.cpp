@@ -36,21 +36,23 @@ std::string with_ends(std::string text, std::string_view end) {
 }
 
 TEST(Obj, ReadsAllVariants) {
-    std::string negative, slashes, later = faces() + vertices(), continued;
+    std::string negative, slashes, later = faces() + vertices(), continued, empty;
     for (const auto& face : kFaces) {
-        negative += 'f', slashes += 'f', continued += "f \\\n";
+        negative += 'f', slashes += 'f', continued += "f \\\n", empty += 'f';
         for (const int corner : face) {
             negative += ' ' + std::to_string(corner - 8);
             slashes += ' ' + std::to_string(corner + 1) + "//" + std::to_string(corner + 1);
             continued += ' ' + std::to_string(corner + 1) + "\\  \n";
+            empty += ' ' + std::to_string(corner + 1) + '/';
         }
-        negative += '\n', slashes += '\n', continued += '\n';
+        negative += '\n', slashes += '\n', continued += '\n', empty += '\n';
     }
     const std::string files[] = {
         vertices() + faces(),
         vertices() + negative,
         vertices() + "vn 0 0 1\n" + slashes,
         vertices() + continued,
+        vertices() + empty,
         later,
         vertices("", "  v\t") + test::faces("\t f", "\n", 1),
         vertices(" # vertex") + faces(" # face 7 8 9\n"),
@@ -144,6 +146,8 @@ TEST(Obj, NamesThePlaceOfAnError) {
     expect_refused(vertices() + faces() + "v -1.#IND 1.#QNAN 1.#INF\nf 9 1 2\n", "vertex 8 (line 15) is not finite");
     expect_refused(vertices() + faces() + "v 0 0 0 0\nf 9 1 2\n", "vertex 8 (line 15) is not finite");
     expect_refused(vertices() + "f 1 2 x\n", "has the corner \"x\"");
+    expect_refused(vertices() + "f 1/ 4 2/ 4 3/ 4\n",
+                   "face 0 (line 9) has the corner \"4\", which follows a slash and a blank");
 }
 
 }  // namespace
