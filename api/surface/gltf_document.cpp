@@ -63,6 +63,7 @@ Result<Parts> parts_of_glb(std::string_view bytes) {
         return wrong_glb("its version is " + std::to_string(number(4)) + "; only version 2 is supported");
     if (bytes.size() < kHead + kChunkHead) return wrong_glb("it is truncated");
     const std::size_t size = number(8), json = number(kHead);
+    if (size < kHead + kChunkHead) return wrong_glb("its header announces only " + std::to_string(size) + " bytes");
     if (size > bytes.size())
         return wrong_glb("it is truncated: its header announces " + std::to_string(size) + " bytes, but it has " +
                          std::to_string(bytes.size()));
@@ -70,7 +71,7 @@ Result<Parts> parts_of_glb(std::string_view bytes) {
     bytes = bytes.substr(0, size);
     if (chunk_type(kHead) != "JSON") return wrong_glb("its first chunk is not JSON");
     constexpr std::size_t kJson = kHead + kChunkHead;
-    if (json > bytes.size() - std::min(kJson, bytes.size()))
+    if (json > bytes.size() - kJson)
         return wrong_glb("its JSON chunk, with " + std::to_string(json) + " bytes, exceeds the file");
     parts.json = trim(bytes.substr(kJson, json), std::string_view(" \0\n\r\t", 5));
     // The length of the chunk should be a multiple of 4. Some programs leave the padding out, or do not count it.

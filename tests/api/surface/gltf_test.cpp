@@ -116,6 +116,8 @@ TEST(Gltf, ReadsContainersThatAreNotPadded) {
     std::string damaged = file(json.size(), 0);
     damaged[20 + json.size() + 3] = 1;
     expect_refused(damaged, "exceeds the file");
+    damaged[8] = 19, damaged[9] = damaged[10] = damaged[11] = 0;
+    expect_refused(damaged, "its header announces only 19 bytes");
 }
 
 TEST(Gltf, ReadsBuffersInDataUris) {
