@@ -238,6 +238,20 @@ TEST(DistributeOnSurface, KeepsSitesApartInStripsOfOneOrTwoRows) {
     }
 }
 
+TEST(DistributeOnSurface, FollowsThinTubesOfSmallFaces) {
+    // The circumference is 5.5 hexagonal spacings.
+    constexpr std::size_t kSites = 346;
+    for (const auto& [columns, rows] : {std::pair(96, 16), std::pair(192, 32)}) {
+        const Surface surface = surface_of(torus_surface(1, 0.1, columns, rows));
+        for (const std::uint64_t seed : {0, 1, 2, 3, 4}) {
+            SCOPED_TRACE(std::to_string(columns) + " columns, seed " + std::to_string(seed));
+            const auto dots = distributed(surface, {.sites = kSites, .seed = seed});
+            EXPECT_LT(dots.variation(), 0.1);
+            EXPECT_GT(least_of(surface, dots), 0.7);
+        }
+    }
+}
+
 TEST(DistributeOnSurface, SpreadsSitesEvenlyOverLongThinFaces) {
     // A tube of needles: each quarter of its length has a quarter of the sites.
     for (const int sides : {40, 400, 4000}) {
