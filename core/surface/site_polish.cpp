@@ -312,7 +312,9 @@ std::optional<std::vector<SurfacePoint>> SitePolish::spread(double least) const 
         const std::uint32_t site = pair.sites[0];
         const double around = kAround * spacings_[site];
         cells_->for_near(mesh_.point(site), around + 2 * spacings_[site], [&](Point3 place, std::uint32_t v) {
-            const bool moves = length(place - mesh_.point(site)) < around && mesh_.is_free(v) && !is_beside_border(v);
+            const bool is_near = std::ranges::find(pair.sites, v) != pair.sites.end();
+            const bool moves =
+                length(place - mesh_.point(site)) < around && mesh_.is_free(v) && (is_near || !is_beside_border(v));
             role[v] = std::max<std::uint8_t>(role[v], moves ? 2 : 1);
         });
     }

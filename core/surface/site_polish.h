@@ -52,7 +52,7 @@ public:
     void separate(double least);
     /// Moves sites apart that the last call of is_any_nearer() found and that other steps cannot separate: where a tip
     /// is thinner than the spacing, triangles cannot follow the surface. The sites follow the surface, but the mesh
-    /// does not change. Sites beside borders and creases stay where they are.
+    /// does not change. Sites beside borders and creases stay where they are, unless they are very near to another one.
     /// @returns  the new points of all sites; none if no two sites that can move are very near to each other at a tip
     std::optional<std::vector<SurfacePoint>> spread(double least) const;
     void retouch() {}

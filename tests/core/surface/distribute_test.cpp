@@ -195,8 +195,10 @@ TEST(DistributeOnSurface, GivesTheFacesOfNeedlesAndPlatesTheirShares) {
 }
 
 /// Returns a surface of length 12 with pointed ends, of radius 1 in the middle.
-TriangleSoup spindle_surface(int columns, int rows) {
-    return test::grid_surface(columns, rows, [](double u, double v) {
+/// @param open  share of the length that is cut off at both ends
+TriangleSoup spindle_surface(int columns, int rows, double open = 0) {
+    return test::grid_surface(columns, rows, [open](double u, double v) {
+        v = open + (1 - 2 * open) * v;
         const double angle = u < 1 ? 2 * std::numbers::pi * u : 0, radius = std::pow(1 - std::abs(2 * v - 1), 3);
         return Point3{radius * std::cos(angle), radius * std::sin(angle), 12 * v};
     });
@@ -216,6 +218,18 @@ TEST(DistributeOnSurface, KeepsSitesApartAtThinTips) {
             EXPECT_GT(least_of(surface, dots), 0.7);
             EXPECT_LT(dots.variation(), 0.15);
             EXPECT_EQ(euler_characteristic(*dots.mesh), 2);
+        }
+    }
+}
+
+TEST(DistributeOnSurface, KeepsSitesApartAtThinTipsThatAreOpen) {
+    const Surface surfaces[] = {surface_of(spindle_surface(12, 40, 0.2)), surface_of(spindle_surface(24, 60, 0.15))};
+    for (const Surface& surface : surfaces) {
+        for (std::uint64_t seed = 0; seed < 10; ++seed) {
+            SCOPED_TRACE(std::to_string(surface.face_count()) + " faces, seed " + std::to_string(seed));
+            const auto dots = distributed(surface, {.sites = 300, .seed = seed});
+            EXPECT_GT(least_of(surface, dots), 0.7);
+            EXPECT_LT(dots.variation(), 0.2);
         }
     }
 }
