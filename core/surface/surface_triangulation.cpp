@@ -2,6 +2,7 @@
 #include "core/surface/surface_triangulation.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -387,7 +388,10 @@ bool SurfaceTriangulation::allows_flip(std::uint32_t edge) const {
 
 /// Removes the vertices of the surface by collapsing edges, with flips in between.
 void SurfaceTriangulation::remove_corners(const CreaseVertices& creases, const std::stop_token& stop) {
-    constexpr int kRounds = 4;
+    // Least agreement of new triangles with the surface in each round, see can_collapse(). Triangles that deviate more
+    // are made only if no other removals are left, since they could cut through thin tubes: test
+    // DistributeOnSurface.FollowsThinTubesOfSmallFaces. Across sharp edges, all triangles deviate.
+    constexpr std::array kAgreements{0.9, 0.6, 0.0, 0.0};
     std::vector<std::uint32_t> left;
     for (std::uint32_t v = 0; v < surface_->vertex_count(); ++v) {
         if (creases.corner[v] == 0) left.push_back(v);
@@ -396,14 +400,16 @@ void SurfaceTriangulation::remove_corners(const CreaseVertices& creases, const s
     // become larger everywhere at the same time. Beside much smaller ones, large triangles cut through thin tubes.
     std::ranges::stable_sort(left, {}, [](std::uint32_t v) { return std::countr_zero(v); });
     for (std::uint32_t& v : left) v += static_cast<std::uint32_t>(sites_);
-    for (int round = 0; round < kRounds && !left.empty(); ++round)
-        std::erase_if(left, [&](std::uint32_t v) { return stop.stop_requested() || remove(v); });
+    for (const double each : kAgreements) {
+        const double agreement = has_sharp_edges() ? 0 : each;
+        std::erase_if(left, [&](std::uint32_t v) { return stop.stop_requested() || remove(v, agreement); });
+    }
 }
 
 /// Removes a vertex by collapsing one of its edges. A vertex on a border or crease is merged with an adjacent one along
 /// it.
 /// @returns  false, without any change, if no edge can be collapsed
-bool SurfaceTriangulation::remove(std::uint32_t vertex) {
+bool SurfaceTriangulation::remove(std::uint32_t vertex, double agreement) {
     constexpr std::size_t kMaxCandidates = 32;  // a vertex may have very many neighbours
     if (links_.edge_of(vertex) == kNone) return true;
     std::vector<std::pair<double, std::uint32_t>> edges;
@@ -417,7 +423,8 @@ bool SurfaceTriangulation::remove(std::uint32_t vertex) {
     if (on_crease) std::erase_if(edges, [&](const auto& each) { return !links_.is_constrained(each.second); });
     const auto last = edges.begin() + static_cast<std::ptrdiff_t>(std::min(edges.size(), kMaxCandidates));
     std::ranges::partial_sort(edges, last);
-    const auto found = std::find_if(edges.begin(), last, [&](const auto& each) { return can_collapse(each.second); });
+    const auto found =
+        std::find_if(edges.begin(), last, [&](const auto& each) { return can_collapse(each.second, agreement); });
     if (found == last) return false;
     links_.collapse(found->second);
     for (const std::uint32_t h : around) {
@@ -431,7 +438,8 @@ bool SurfaceTriangulation::remove(std::uint32_t vertex) {
 
 /// Whether merging the origin of an edge with its target keeps the topology, and turns no triangle away from the sum of
 /// the surface's normals at its corners.
-bool SurfaceTriangulation::can_collapse(std::uint32_t edge) const {
+/// @param agreement  cosine that the angle between the triangle's normal and this sum must exceed
+bool SurfaceTriangulation::can_collapse(std::uint32_t edge, double agreement) const {
     const std::uint32_t a = links_.origin(edge), b = links_.target(edge), twin = links_.twin(edge);
     std::size_t common = 0;
     bool sound = true;
@@ -441,8 +449,9 @@ bool SurfaceTriangulation::can_collapse(std::uint32_t edge) const {
         // On a border, the last neighbour has no half-edge from a.
         if (y != b && links_.twin(Links::previous(h)) == kNone && links_.are_joined(b, y)) ++common;
         if (x == b || y == b) return;
-        sound = sound && dot(cross(places_[x] - places_[b], places_[y] - places_[b]),
-                             normals_[b] + normals_[x] + normals_[y]) > 0;
+        const Point3 normal = cross(places_[x] - places_[b], places_[y] - places_[b]);
+        const Point3 up = normals_[b] + normals_[x] + normals_[y];
+        sound = sound && dot(normal, up) > agreement * length(normal) * length(up);
     });
     if (!sound || common != (twin == kNone ? 1 : 2)) return false;
     const auto is_free = [&](std::uint32_t h) {

@@ -143,8 +143,8 @@ private:
     void simplify(const CreaseVertices& creases, const std::stop_token& stop);
     void insert_sites(std::vector<std::uint32_t> face_of, const std::stop_token& stop);
     void remove_corners(const CreaseVertices& creases, const std::stop_token& stop);
-    bool remove(std::uint32_t vertex);
-    bool can_collapse(std::uint32_t edge) const;
+    bool remove(std::uint32_t vertex, double agreement = 0);
+    bool can_collapse(std::uint32_t edge, double agreement) const;
     std::size_t legalise(std::size_t most, const std::stop_token& stop = {});
     void locate(const SurfacePoint& point);
     double squared_length(std::uint32_t a, std::uint32_t b) const;
