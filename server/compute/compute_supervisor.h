@@ -46,7 +46,7 @@ public:
 
         /// Time after which the nice value of a process rises to `nice_of_long`, if it is lower.
         std::chrono::milliseconds to_yield{50};
-        int nice_of_long = 10;
+        int nice_of_long = 0;
     };
 
     /// Starts the fork server. Error: Internal.

@@ -28,7 +28,8 @@ double seconds_since(WorkerPool::Clock::time_point start) {
 
 /// Lowers the priority of the calling thread below that of threads for connections and short jobs.
 void yield_to_other_threads() {
-    setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), WorkerPool::kNiceOfLong);
+    const auto thread = static_cast<id_t>(gettid());
+    setpriority(PRIO_PROCESS, thread, std::max(getpriority(PRIO_PROCESS, thread), WorkerPool::kNiceOfLong));
 }
 
 }  // namespace

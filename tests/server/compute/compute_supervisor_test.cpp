@@ -175,7 +175,7 @@ protected:
 
     static std::unique_ptr<ComputeSupervisor> start(seconds to_stop) {
         return *ComputeSupervisor::start(
-            launch, {.limits = {.max_sites = 7, .max_pixels = 8}, .to_stop = to_stop},
+            launch, {.limits = {.max_sites = 7, .max_pixels = 8}, .to_stop = to_stop, .nice_of_long = 10},
             [](const Order&, const std::stop_token&) {}, [](const std::string&) {});
     }
 

@@ -2,9 +2,12 @@
 #include "server/work/worker_pool.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <future>
 #include <latch>
 #include <stdexcept>
@@ -312,6 +315,23 @@ TEST(WorkerPool, RunsShortJobsBeforeLongOnes) {
     gate.open();
     longer.open();
     pool.drain();
+}
+
+TEST(WorkerPool, LetsLongJobsAdvanceBesideOtherPrograms) {
+    const auto nice_of = [](const api::Cost& cost) {
+        int nice = 0;
+        WorkerPool pool(1, 1);
+        pool.submit(
+            kClient, [&](const std::stop_token&) { nice = getpriority(PRIO_PROCESS, static_cast<id_t>(gettid())); },
+            cost);
+        pool.drain();
+        return nice;
+    };
+    // Each step reduces the share of a processor to about four fifths of that of the step before.
+    constexpr double kStep = 0.8, kLeastShare = 0.25;
+    const double weight = std::pow(kStep, nice_of(kLongJob) - getpriority(PRIO_PROCESS, 0));
+    EXPECT_LE(weight, 1) << "long jobs yield to connections and short jobs";
+    EXPECT_GT(weight, kLeastShare) << "of what another program receives";
 }
 
 TEST(WorkerPool, KeepsOneThreadForShortJobs) {
