@@ -4,7 +4,6 @@
 #include <avif/avif.h>
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -58,18 +57,6 @@ Decoder make_decoder(std::string_view bytes) {
     avifDecoderSetSource(decoder.get(), AVIF_DECODER_SOURCE_PRIMARY_ITEM);
     avifDecoderSetIOMemory(decoder.get(), reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
     return decoder;
-}
-
-/// Returns the EXIF orientation that is equivalent to the image's transformations: first its rotation, then its
-/// mirroring.
-int orientation_of(const avifImage& image) {
-    enum Mirror : std::size_t { kNone, kTopToBottom, kLeftToRight };
-    constexpr std::array<std::array<int, 3>, 4> kOrientations = {{{1, 4, 2}, {8, 5, 7}, {3, 2, 4}, {6, 7, 5}}};
-    const bool is_turned = (image.transformFlags & AVIF_TRANSFORM_IROT) != 0;
-    const std::size_t quarters = is_turned ? image.irot.angle % 4U : 0;  // counterclockwise
-    Mirror mirror = kNone;
-    if ((image.transformFlags & AVIF_TRANSFORM_IMIR) != 0) mirror = image.imir.mode == 0 ? kTopToBottom : kLeftToRight;
-    return kOrientations[quarters][mirror];
 }
 
 /// Interleaved pixels of the picture: red, green, blue and, if the picture has it, alpha.
@@ -148,7 +135,7 @@ Result<RowSource> open_avif(std::string_view bytes, const ImageHeader& header) {
     source.sample = image.depth > 8 ? RowSource::Sample::Word : RowSource::Sample::Byte;
     source.code_points = {static_cast<std::uint8_t>(image.colorPrimaries),
                           static_cast<std::uint8_t>(image.transferCharacteristics)};
-    source.orientation = orientation_of(image);
+    source.orientation = view.orientation;
     source.step = kRows;
     source.read = [pixels, view, sample = source.sample](int begin, int end, void* rows) {
         if (sample == RowSource::Sample::Byte) {

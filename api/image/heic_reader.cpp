@@ -166,15 +166,19 @@ tl::unexpected<Error> refuse(const heif_error& error) {
                    "the server does not read this kind of image: a HEIC with features that libheif does not support");
 }
 
-/// Decodes an item to interleaved red, green and blue and, if the item has it, alpha.
+/// Decodes an item, without its crop, rotation and mirroring, to interleaved red, green and blue and, if the item has
+/// it, alpha. The library would mirror only samples of 8 bits.
 Result<Image> decode(const heif_image_handle& handle) {
     const bool has_alpha = heif_image_handle_has_alpha_channel(&handle) != 0;
     const bool is_deep = heif_image_handle_get_luma_bits_per_pixel(&handle) > 8;
     const heif_chroma words = has_alpha ? heif_chroma_interleaved_RRGGBBAA_LE : heif_chroma_interleaved_RRGGBB_LE;
     const heif_chroma bytes = has_alpha ? heif_chroma_interleaved_RGBA : heif_chroma_interleaved_RGB;
+    const std::unique_ptr<heif_decoding_options, decltype(&heif_decoding_options_free)> options(
+        heif_decoding_options_alloc(), heif_decoding_options_free);
+    options->ignore_transformations = 1;
     heif_image* image = nullptr;
     const heif_error decoded =
-        heif_decode_image(&handle, &image, heif_colorspace_RGB, is_deep ? words : bytes, nullptr);
+        heif_decode_image(&handle, &image, heif_colorspace_RGB, is_deep ? words : bytes, options.get());
     if (decoded.code != heif_error_Ok) return refuse(decoded);
     return Image(image, heif_image_release);
 }
@@ -205,13 +209,16 @@ Result<RowSource> open_heic(std::string_view bytes, const ImageHeader& header) {
     auto image = decode(*handle);
     if (!image) return tl::unexpected(image.error());
 
-    RowSource source;
-    source.width = heif_image_get_primary_width(image->get());
-    source.height = heif_image_get_primary_height(image->get());
-    const auto pixels = static_cast<std::uint64_t>(source.width) * static_cast<std::uint64_t>(source.height);
+    const HeifView& view = header.view;
     int stride = 0;
     const std::uint8_t* const plane = heif_image_get_plane_readonly(image->get(), heif_channel_interleaved, &stride);
-    if (source.width < 1 || source.height < 1 || pixels != header.pixels() || plane == nullptr) return broken_image();
+    if (plane == nullptr || heif_image_get_primary_width(image->get()) != static_cast<int>(view.whole_width) ||
+        heif_image_get_primary_height(image->get()) != static_cast<int>(view.whole_height))
+        return broken_image();
+    RowSource source;
+    source.width = static_cast<int>(view.width);
+    source.height = static_cast<int>(view.height);
+    source.orientation = view.orientation;
     const bool has_alpha = heif_image_handle_has_alpha_channel(handle.get()) != 0;
     const int bits = heif_image_get_bits_per_pixel_range(image->get(), heif_channel_interleaved);
     source.channels = has_alpha ? 4 : 3;
@@ -220,8 +227,11 @@ Result<RowSource> open_heic(std::string_view bytes, const ImageHeader& header) {
     source.sample = bits > 8 ? RowSource::Sample::Word : RowSource::Sample::Byte;
     source.step = kRows;
     const auto samples = static_cast<std::size_t>(source.width) * static_cast<std::size_t>(source.channels);
-    source.read = [image = *image, plane, stride, bits, samples](int begin, int end, void* rows) {
-        const std::uint8_t* row = plane + static_cast<std::ptrdiff_t>(begin) * stride;
+    const std::size_t sample_bytes = bits > 8 ? 2 : 1;
+    const std::uint8_t* const first = plane + static_cast<std::ptrdiff_t>(view.top) * stride +
+                                      view.left * static_cast<std::size_t>(source.channels) * sample_bytes;
+    source.read = [image = *image, first, stride, bits, samples](int begin, int end, void* rows) {
+        const std::uint8_t* row = first + static_cast<std::ptrdiff_t>(begin) * stride;
         auto* byte = static_cast<std::uint8_t*>(rows);
         auto* word = static_cast<std::uint16_t*>(rows);
         for (int y = begin; y < end; ++y, row += stride) {

@@ -137,6 +137,23 @@ bool is_alpha(std::string_view meta, std::uint32_t item) {
     });
 }
 
+/// A mirroring from left to right, if any, followed by quarter turns counterclockwise.
+struct Turn {
+    bool mirrored = false;
+    std::uint32_t quarters = 0;
+
+    Turn then_rotated(std::uint32_t more) const { return {mirrored, (quarters + more) % 4}; }
+
+    /// A mirroring from top to bottom is one from left to right and a half turn. Turns before it become opposite ones.
+    Turn then_mirrored(bool top_to_bottom) const { return {!mirrored, ((top_to_bottom ? 6 : 4) - quarters) % 4}; }
+
+    /// Returns the equivalent orientation of EXIF.
+    int orientation() const {
+        constexpr std::array<std::array<int, 4>, 2> kOrientations = {{{1, 8, 3, 6}, {2, 5, 4, 7}}};
+        return kOrientations[mirrored ? 1 : 0][quarters];
+    }
+};
+
 /// Returns whether the first box of a file, which may be truncated, lists one of the brands.
 bool has_brand(std::string_view bytes, std::span<const std::string_view> brands) {
     constexpr std::size_t kName = 4, kBrands = 8, kMinorVersion = 12;
@@ -172,14 +189,21 @@ bool is_heic(std::string_view bytes) {
 std::optional<HeifView> heif_view(std::span<const Chunk> properties) {
     HeifView view;
     const Chunk* crop = nullptr;
+    Turn turn;
     for (const Chunk& property : properties) {
         const ByteReader reader(property.data, true);
+        const std::uint32_t first = reader.read(0, 1).value_or(0);
+        if (property.name == "irot") turn = turn.then_rotated(first % 4);
+        if (property.name == "imir") turn = turn.then_mirrored(first % 2 == 0);
         if (property.name == "ispe") {
             view.whole_width = view.width = reader.read(kVersion, 4).value_or(0);
             view.whole_height = view.height = reader.read(kVersion + 4, 4).value_or(0);
         }
-        if (property.name == "clap") crop = &property;
+        if (property.name != "clap") continue;
+        if (turn.orientation() != 1) return std::nullopt;
+        crop = &property;
     }
+    view.orientation = turn.orientation();
     if (crop == nullptr) return view;
     const ByteReader reader(crop->data, true);
     view.width = whole_part(reader, 0);

@@ -26,14 +26,16 @@ std::vector<Chunk> heif_properties(std::string_view bytes);
 struct HeifView {
     std::uint32_t whole_width = 0, whole_height = 0;  ///< of the coded picture
     std::uint32_t left = 0, top = 0, width = 0, height = 0;
+    int orientation = 1;  ///< orientation of EXIF that is equivalent to the rotations and mirrorings after the crop
 
     std::uint64_t whole_pixels() const { return std::uint64_t{whole_width} * whole_height; }
 };
 
-/// Returns the part of the primary item that its crop (clap) leaves. A crop between pixels is rounded down.
+/// Returns the part of the primary item that its crop (clap) leaves, and how it is turned (irot, imir). A crop between
+/// pixels is rounded down.
 /// @param properties  see heif_properties()
-/// @returns           none if the crop is not within the picture
-/// Source: ISO/IEC 14496-12, 12.1.4.
+/// @returns           none if the crop is not within the picture, or follows a rotation or a mirroring
+/// Sources: ISO/IEC 14496-12, 12.1.4; HEIF, 6.5.10 and 6.5.12; MIAF (ISO/IEC 23000-22), 7.3.6.7 (order).
 std::optional<HeifView> heif_view(std::span<const Chunk> properties);
 
 /// Returns which grid of tiles the library for AVIF would misread, for an error message; empty if none. The library

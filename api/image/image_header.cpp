@@ -242,12 +242,30 @@ bool has_bytes(const Chunk& bits) {
     return channels > 0;
 }
 
+/// Returns the bytes of a sample of the primary item of a HEIF.
+uint64_t bytes_of_sample(std::span<const Chunk> properties) {
+    const auto is_small = [](const Chunk& property) { return property.name == "pixi" && has_bytes(property); };
+    return std::ranges::any_of(properties, is_small) ? 1 : 2;
+}
+
 /// Largest ratio of all pixels to those that a crop leaves. The limit of pixels is for the latter, but all are decoded.
 constexpr uint64_t kMaxCropped = 4;
 
-tl::unexpected<Error> shows_too_little(const std::string& format) {
-    return failure(ErrorCode::Unusable, "the image is " + std::string(format == "AVIF" ? "an " : "a ") + format +
-                                            " that shows less than a quarter of its pixels (clap)");
+/// Reads the size of the primary item of a HEIF. The size is that after the crop.
+/// @param kind  for messages
+Result<ImageHeader> read_heif(ImageFormat format, std::span<const Chunk> properties, uint64_t longest_side,
+                              const std::string& kind) {
+    const auto view = heif_view(properties);
+    if (!view)
+        return failure(ErrorCode::Unusable,
+                       "the image is " + kind + " with a crop (clap) beyond its pixels, or after its rotation");
+    if (std::max(view->whole_width, view->whole_height) > longest_side) return broken_image();
+    ImageHeader header{format, view->width, view->height, 0};
+    header.view = *view;
+    if (view->whole_pixels() > kMaxCropped * header.pixels() + kMaxTilePixels)
+        return failure(ErrorCode::Unusable,
+                       "the image is " + kind + " that shows less than a quarter of its pixels (clap)");
+    return header;
 }
 
 /// Reads the header of an AVIF, which is decoded as a whole. The decoder may keep two copies, before and after adding
@@ -258,29 +276,16 @@ Result<ImageHeader> read_avif(std::string_view bytes) {
     constexpr uint64_t kTables = 3;    // bytes per pixel
     constexpr uint64_t kBorder = 160;  // pixels by which a side may be rounded up, with a margin
     const std::vector<Chunk> properties = heif_properties(bytes);
-    const auto view = heif_view(properties);
-    if (!view) return failure(ErrorCode::Unusable, "the image is an AVIF with a crop (clap) beyond its pixels");
-    if (view->whole_width > kMaxAvifSide || view->whole_height > kMaxAvifSide) return broken_image();
-    ImageHeader header{ImageFormat::Avif, view->width, view->height, 0};
-    header.view = *view;
-    if (view->whole_pixels() > kMaxCropped * header.pixels() + kMaxTilePixels) return shows_too_little("AVIF");
-    const auto is_small = [](const Chunk& property) { return property.name == "pixi" && has_bytes(property); };
-    const uint64_t sample = std::ranges::any_of(properties, is_small) ? 1 : 2;
-    header.decoder_bytes =
-        (view->whole_width + kBorder) * (view->whole_height + kBorder) * (kSamples * sample + kTables);
-    header.decoder_bytes += bytes.size();  // for a copy that the library can read
+    auto header = read_heif(ImageFormat::Avif, properties, kMaxAvifSide, "an AVIF");
+    if (!header) return header;
+    const uint64_t bytes_of_pixel = kSamples * bytes_of_sample(properties) + kTables;
+    header->decoder_bytes =
+        (header->view.whole_width + kBorder) * (header->view.whole_height + kBorder) * bytes_of_pixel;
+    header->decoder_bytes += bytes.size();  // for a copy that the library can read
     return header;
 }
 
-/// Returns a side of a crop as the library shows it: rounded to the nearest pixel, and at most the side of the picture.
-/// @param at  offset of the side in the property, as a numerator and a denominator
-uint64_t side_of_crop(const ByteReader& crop, std::size_t at, uint64_t whole) {
-    const auto numerator = crop.read(at, 4), denominator = crop.read(at + 4, 4);
-    if (!numerator || denominator.value_or(0) == 0) return whole;
-    return std::min((uint64_t{*numerator} + *denominator / 2) / *denominator, whole);
-}
-
-/// Reads the header of a HEIF other than an AVIF. The size is that after the crop.
+/// Reads the header of a HEIF other than an AVIF.
 Result<ImageHeader> read_heic(std::string_view bytes) {
     constexpr uint64_t kSamples = 16;           // per pixel; at most 14 were measured
     constexpr uint64_t kTileBytes = 32U << 20;  // for the decoder, which keeps several pictures of the size of a tile
@@ -290,24 +295,10 @@ Result<ImageHeader> read_heic(std::string_view bytes) {
                                                : "a picture that is not coded in HEVC (" + std::string(types[0]) + ')';
         return failure(ErrorCode::Unusable, "the server does not read this kind of image: a HEIF with " + kind);
     }
-    ImageHeader header{ImageFormat::Heic, 0, 0, 0};
-    uint64_t sample = 2, whole = 0;
-    for (const Chunk& property : heif_properties(bytes)) {
-        const ByteReader reader(property.data, true);
-        if (property.name == "ispe") {
-            header.width = reader.read(4, 4).value_or(0);
-            header.height = reader.read(8, 4).value_or(0);
-            whole = header.pixels();
-        }
-        if (property.name == "clap") {
-            header.width = side_of_crop(reader, 0, header.width);
-            header.height = side_of_crop(reader, 8, header.height);
-        }
-        if (property.name == "pixi" && has_bytes(property)) sample = 1;
-    }
-    if (header.width > kMaxHeicSide || header.height > kMaxHeicSide) return broken_image();
-    if (whole > kMaxCropped * header.pixels() + kMaxTilePixels) return shows_too_little("HEIC");
-    header.decoder_bytes = whole * kSamples * sample + kTileBytes;
+    const std::vector<Chunk> properties = heif_properties(bytes);
+    auto header = read_heif(ImageFormat::Heic, properties, kMaxHeicSide, "a HEIC");
+    if (!header) return header;
+    header->decoder_bytes = header->view.whole_pixels() * kSamples * bytes_of_sample(properties) + kTileBytes;
     return header;
 }
 

@@ -25,7 +25,7 @@ struct ImageHeader {
     std::uint64_t decoder_bytes = 0;
     bool is_ink_jpeg = false;  ///< whether the file is a JPEG with four channels: cyan, magenta, yellow, black
     std::uint64_t frames = 1;  ///< number of frames, or of pages of a TIFF; only one of them is read
-    HeifView view = {};        ///< of an AVIF
+    HeifView view = {};        ///< of an AVIF or a HEIC
 
     std::uint64_t pixels() const { return width * height; }
 };

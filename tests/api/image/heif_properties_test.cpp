@@ -105,6 +105,29 @@ TEST(HeifView, IsTheCropRoundedDown) {
         EXPECT_FALSE(view_of(file));
 }
 
+TEST(HeifView, IsTurnedInTheOrderOfTheProperties) {
+    const std::string size = box("ispe", number(0, 4) + number(100, 4) + number(60, 4)),
+                      crop = box("clap", number(50, 4) + number(1, 4) + number(50, 4) + number(1, 4) + number(0, 4) +
+                                             number(1, 4) + number(0, 4) + number(1, 4));
+    const auto view_of = [&](const std::string& first, const std::string& second) {
+        const std::string associations = number(0, 4) + number(1, 4) + number(2, 2) + "\3\1\2\3"s;
+        return heif_view(heif_properties(file_of(associations, size + first + second)));
+    };
+    const auto rotation = [](std::uint64_t quarters) { return box("irot", number(quarters, 1)); };
+    const std::string flip = box("imir", number(0, 1)), mirror = box("imir", number(1, 1)), none = rotation(0);
+    const std::string left = rotation(1), half = rotation(2), right = rotation(3);
+    int orientation = 0;
+    for (const auto& [first, second] :
+         {std::pair{none, none}, std::pair{none, mirror}, std::pair{half, none}, std::pair{none, flip},
+          std::pair{left, flip}, std::pair{none, right}, std::pair{left, mirror}, std::pair{left, none}})
+        EXPECT_EQ(view_of(first, second)->orientation, ++orientation);
+    EXPECT_EQ(view_of(mirror, left)->orientation, 5) << "the opposite of a rotation before the mirroring";
+    EXPECT_EQ(view_of(mirror, flip)->orientation, 3);
+    EXPECT_EQ(view_of(right, left)->orientation, 1);
+    EXPECT_EQ(view_of(crop, left)->orientation, 8);
+    EXPECT_FALSE(view_of(left, crop));
+}
+
 TEST(MisreadGrid, HasTilesInAnotherOrderOrWithAlpha) {
     // Item 5 is alpha.
     const std::string properties =

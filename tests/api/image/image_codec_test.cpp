@@ -335,16 +335,16 @@ TEST(ImageCodec, DecodesLosslessAvifsAndHeicsExactly) {
     }
 }
 
-TEST(ImageCodec, RoundsCropsOfHeics) {
+TEST(ImageCodec, RoundsCropsOfHeicsDown) {
     std::string file = fixture("orientation-1.heic");
     const auto whole = decode_image(file, kMaxPixels);
     const std::size_t crop = file.find("clap") + 4;
     ASSERT_EQ(file.substr(crop, 8), std::string("\0\0\0\x18\0\0\0\1", 8));
-    file.replace(crop, 8, std::string("\0\0\0\x31\0\0\0\2", 8));  // 24.5 pixels instead of 24
+    file.replace(crop, 8, std::string("\0\0\0\x2f\0\0\0\2", 8));  // 23.5 pixels instead of 24
     const auto rounded = decode_image(file, kMaxPixels);
     ASSERT_TRUE(whole && rounded);
     EXPECT_EQ(whole->width, 24);
-    EXPECT_EQ(rounded->width, 25);
+    EXPECT_EQ(rounded->width, 23);
     EXPECT_EQ(rounded->height, 16);
     EXPECT_EQ(rounded->luminance[1], whole->luminance[1]);
 }
@@ -419,6 +419,15 @@ TEST(ImageCodec, PreservesTwelveBits) {
         for (std::size_t i = 17; i < 65536; i += 17)
             ASSERT_GT(picture->luminance[i], picture->luminance[i - 17]) << name << ' ' << i;
     }
+}
+
+TEST(ImageCodec, MirrorsHeicsOfTwelveBits) {
+    std::string file = fixture("ramp.heic");
+    const auto upright = decode_image(file, kMaxPixels);
+    file.replace(file.find("pixi"), 4, "imir");  // its first byte means from top to bottom
+    const auto mirrored = decode_image(file, kMaxPixels);
+    ASSERT_TRUE(upright && mirrored) << mirrored.error().message;
+    for (int y = 0; y < 256; ++y) ASSERT_EQ(luminance_at(*mirrored, y, y), luminance_at(*upright, y, 255 - y)) << y;
 }
 
 TEST(ImageCodec, RefusesAvifsAndHeicsLargerThanTheirHeader) {
