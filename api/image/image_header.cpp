@@ -253,8 +253,11 @@ constexpr uint64_t kMaxCropped = 4;
 
 /// Reads the size of the primary item of a HEIF. The size is that after the crop.
 /// @param kind  for messages
-Result<ImageHeader> read_heif(ImageFormat format, std::span<const Chunk> properties, uint64_t longest_side,
-                              const std::string& kind) {
+Result<ImageHeader> read_heif(std::string_view bytes, ImageFormat format, std::span<const Chunk> properties,
+                              uint64_t longest_side, const std::string& kind) {
+    if (properties.empty() && heif_frames(bytes) > 0)
+        return failure(ErrorCode::Unusable, "the server does not read this kind of image: " + kind +
+                                                " with an image sequence without a still picture");
     const auto view = heif_view(properties);
     if (!view)
         return failure(ErrorCode::Unusable,
@@ -276,7 +279,7 @@ Result<ImageHeader> read_avif(std::string_view bytes) {
     constexpr uint64_t kTables = 3;    // bytes per pixel
     constexpr uint64_t kBorder = 160;  // pixels by which a side may be rounded up, with a margin
     const std::vector<Chunk> properties = heif_properties(bytes);
-    auto header = read_heif(ImageFormat::Avif, properties, kMaxAvifSide, "an AVIF");
+    auto header = read_heif(bytes, ImageFormat::Avif, properties, kMaxAvifSide, "an AVIF");
     if (!header) return header;
     const uint64_t bytes_of_pixel = kSamples * bytes_of_sample(properties) + kTables;
     header->decoder_bytes =
@@ -290,13 +293,13 @@ Result<ImageHeader> read_heic(std::string_view bytes) {
     constexpr uint64_t kSamples = 16;           // per pixel; at most 14 were measured
     constexpr uint64_t kTileBytes = 32U << 20;  // for the decoder, which keeps several pictures of the size of a tile
     const std::vector<std::string_view> types = heif_item_types(bytes);
-    if (std::ranges::find(types, "hvc1") == types.end() && !(types.empty() && heif_frames(bytes) == 0)) {
-        const std::string kind = types.empty() ? "an image sequence without a still picture"
-                                               : "a picture that is not coded in HEVC (" + std::string(types[0]) + ')';
-        return failure(ErrorCode::Unusable, "the server does not read this kind of image: a HEIF with " + kind);
-    }
+    if (!types.empty() && std::ranges::find(types, "hvc1") == types.end())
+        return failure(
+            ErrorCode::Unusable,
+            "the server does not read this kind of image: a HEIF with a picture that is not coded in HEVC (" +
+                std::string(types[0]) + ')');
     const std::vector<Chunk> properties = heif_properties(bytes);
-    auto header = read_heif(ImageFormat::Heic, properties, kMaxHeicSide, "a HEIC");
+    auto header = read_heif(bytes, ImageFormat::Heic, properties, kMaxHeicSide, "a HEIC");
     if (!header) return header;
     header->decoder_bytes = header->view.whole_pixels() * kSamples * bytes_of_sample(properties) + kTileBytes;
     return header;

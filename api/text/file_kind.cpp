@@ -35,6 +35,7 @@ constexpr auto kKinds = std::to_array<Kind>({
     {0, "%PDF"sv, "PDF"},
     {0, "%!PS"sv, "PostScript"},
     {0, "\0\0\1\0"sv, "an icon"},
+    {0, "\0\0\2\0\1"sv, "a cursor"},
     {0, "\x76\x2f\x31\x01"sv, "OpenEXR"},
     {0, "#?RADIANCE"sv, "Radiance HDR"},
     {0, "P4\n"sv, "PBM"},

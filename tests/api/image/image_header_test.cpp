@@ -50,10 +50,12 @@ TEST(ImageHeader, EstimatesTheMemoryOfTheDecoder) {
     EXPECT_GE(decoder_bytes("p3.jpg"), by_rows + fixture("p3.jpg").size() + (32U << 20));
 }
 
-TEST(ImageHeader, NamesHeifsWithoutAPictureInHevc) {
-    std::string other = fixture("lossless.heic");
+TEST(ImageHeader, NamesHeifsWithoutAStillPictureOfItsKind) {
+    std::string other = fixture("lossless.heic"), film = fixture("film.avif");
     other.replace(other.find("hvc1"), 4, "jpeg");
+    film.replace(film.find("pitm"), 4, "free");
     for (const auto& [file, kind] : {std::pair{fixture("track.heic"), "an image sequence without a still picture"},
+                                     std::pair{film, "an AVIF with an image sequence without a still picture"},
                                      std::pair{other, "a picture that is not coded in HEVC (jpeg)"}}) {
         const auto header = read_image_header(file, kMaxPixels);
         ASSERT_FALSE(header) << kind;
@@ -102,6 +104,7 @@ TEST(ImageHeader, RefusesOtherFormatsByName) {
         {"\xff\x0a\x12\x34", "JPEG XL"},
         {"\0\0\0\x0cjP  \r\n\x87\n"s, "JPEG 2000"},
         {"8BPS\0\1"s, "a Photoshop file"},
+        {"\0\0\2\0\1\0"s, "a cursor"},
         {"P6\n4 4\n255\n"s, "PPM"},
         {"%PDF-1.4", "PDF"},
         {"<svg xmlns=", "SVG"},
