@@ -205,7 +205,7 @@ Result<void> check_directory(const TiffDirectory& directory) {
         return unusual(std::to_string(directory.entries()) + " tags; the limit is " + std::to_string(kMaxEntries));
     const auto samples = std::min(directory.number(TIFFTAG_SAMPLESPERPIXEL).value_or(1), kMaxTiffSamples + 1U);
     const auto first = directory.number(TIFFTAG_BITSPERSAMPLE);
-    for (std::uint32_t i = 1; i < samples; ++i) {
+    for (std::uint32_t i = 1; first && i < samples; ++i) {
         const auto bits = directory.number(TIFFTAG_BITSPERSAMPLE, i);
         if (bits && bits != first)
             return unusual("channels of " + std::to_string(*first) + " and " + std::to_string(*bits) + " bits");
