@@ -135,9 +135,8 @@ TEST(NarrowStrips, HaveEvenGaps) {
                 const auto found = gaps(line, places);
                 const std::string name = line.name + ' ' + std::to_string(line.segments()) + ", " +
                                          std::to_string(spacings) + " spacings, " + std::to_string(seed);
-                const double most = line.name == "straight" ? 0.01 : 0.2;
-                EXPECT_GT(std::ranges::min(found), 1 - most) << name;
-                EXPECT_LT(std::ranges::max(found), 1 + most) << name;
+                EXPECT_GT(std::ranges::min(found), 0.99) << name;
+                EXPECT_LT(std::ranges::max(found), 1.01) << name;
                 EXPECT_LT(variation, 0.2) << name;
             }
         }
