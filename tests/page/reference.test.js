@@ -56,6 +56,7 @@ test("stands beside a link to the documentation if the server offers it", async 
   await settled(world.page, "halftone");
   assert.equal(await link(world.page).count(), 0);
   await documented.page.goto(documented.url);
+  await settled(documented.page, "halftone");
   await link(documented.page).click();
   await documented.page.waitForURL(`${documented.url}/docs/`);
   assert.match(await documented.page.title(), /^ccdt/);
