@@ -248,7 +248,7 @@ private:
             queue.pop();
             if (length > distance[piece]) continue;
             for (const std::uint32_t next : pieces_[piece].neighbours) {
-                if (next == NarrowPiece<Place>::kNone) continue;
+                if (next == kNone) continue;
                 const double longer = length + (pieces_[piece].sites + pieces_[next].sites) / 2;
                 if (longer >= distance[next]) continue;
                 distance[next] = longer;
