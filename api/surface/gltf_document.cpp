@@ -56,21 +56,20 @@ tl::unexpected<Error> wrong_glb(const std::string& reason) {
 
 /// Divides a GLB into its chunks.
 Result<Parts> parts_of_glb(std::string_view bytes) {
-    constexpr std::size_t kHead = 12, kChunkHead = 8;
+    constexpr std::size_t kHead = 12, kChunkHead = 8, kJson = kHead + kChunkHead;
     const auto number = [bytes](std::size_t at) { return std::size_t{number_at<std::uint32_t>(bytes.data() + at)}; };
     const auto chunk_type = [bytes](std::size_t at) { return bytes.substr(std::min(at + 4, bytes.size()), 4); };
     if (bytes.size() >= kHead && number(4) != 2)
         return wrong_glb("its version is " + std::to_string(number(4)) + "; only version 2 is supported");
-    if (bytes.size() < kHead + kChunkHead) return wrong_glb("it is truncated");
+    if (bytes.size() < kJson) return wrong_glb("it is truncated");
     const std::size_t size = number(8), json = number(kHead);
-    if (size < kHead + kChunkHead) return wrong_glb("its header announces only " + std::to_string(size) + " bytes");
+    if (size < kJson) return wrong_glb("its header announces only " + std::to_string(size) + " bytes");
     if (size > bytes.size())
         return wrong_glb("it is truncated: its header announces " + std::to_string(size) + " bytes, but it has " +
                          std::to_string(bytes.size()));
     Parts parts{{}, {}, bytes.size() - size};
     bytes = bytes.substr(0, size);
     if (chunk_type(kHead) != "JSON") return wrong_glb("its first chunk is not JSON");
-    constexpr std::size_t kJson = kHead + kChunkHead;
     if (json > bytes.size() - kJson)
         return wrong_glb("its JSON chunk, with " + std::to_string(json) + " bytes, exceeds the file");
     parts.json = trim(bytes.substr(kJson, json), std::string_view(" \0\n\r\t", 5));
