@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "core/geometry/point.h"
-
 // Marks functions that are inlined into code compiled for AVX2. All functions that take or return vectors of two pairs
 // must be marked.
 #define CCDT_INLINE __attribute__((always_inline))
@@ -12,9 +10,6 @@ namespace ccdt {
 /// Two numbers in one vector register.
 using Pair = double __attribute__((vector_size(16)));
 
-inline Pair load(const Point& p) {
-    return Pair{p.x, p.y};
-}
 inline Pair firsts(Pair a, Pair b) {
     return Pair{a[0], b[0]};
 }
@@ -29,6 +24,12 @@ inline double sum(Pair a) {
 }
 inline Pair magnitude(Pair a) {
     return a < Pair{} ? -a : a;
+}
+
+/// Rounds v down to a whole number; |v| < 2^31.
+inline double whole(double v) {
+    const int truncated = static_cast<int>(v);
+    return truncated > v ? truncated - 1 : truncated;
 }
 
 }  // namespace ccdt

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/pair.h"
+
 namespace ccdt {
 
 struct Point {
@@ -23,6 +25,10 @@ inline double dot(Point a, Point b) {
     return a.x * b.x + a.y * b.y;
 }
 
+inline Pair load(const Point& p) {
+    return Pair{p.x, p.y};
+}
+
 /// Corner coordinates below this value, in the unit frame, count as 0. It is far below the rounding error of points.
 inline constexpr double kLeastCoordinate = 0x1p-100;
 
@@ -32,12 +38,6 @@ inline constexpr double kSnapping = 6;
 
 inline Point snapped(Point p) {
     return {(p.x + kSnapping) - kSnapping, (p.y + kSnapping) - kSnapping};
-}
-
-/// Rounds v down to a whole number; |v| < 2^31.
-inline double whole(double v) {
-    const int truncated = static_cast<int>(v);
-    return truncated > v ? truncated - 1 : truncated;
 }
 
 /// Returns the periodic copy of x in [0, period).
