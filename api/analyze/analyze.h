@@ -13,8 +13,8 @@
 #include "api/run/estimate.h"
 #include "api/run/options.h"
 #include "core/analysis/analysis.h"
+#include "core/base/result.h"
 #include "core/ccdt/ccdt.h"
-#include "core/result.h"
 
 namespace ccdt::api {
 

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "api/run/options.h"
+#include "core/base/result.h"
 #include "core/geometry/point.h"
 #include "core/geometry/point3.h"
-#include "core/result.h"
 
 namespace ccdt::api {
 

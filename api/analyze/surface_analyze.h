@@ -9,9 +9,9 @@
 #include "api/output/body.h"
 #include "api/run/options.h"
 #include "api/surface/surface_header.h"
+#include "core/base/result.h"
 #include "core/ccdt/ccdt.h"
 #include "core/geometry/point3.h"
-#include "core/result.h"
 
 namespace ccdt::api {
 

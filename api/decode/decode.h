@@ -7,8 +7,8 @@
 
 #include "api/image/picture_reader.h"
 #include "api/surface/surface_reader.h"
+#include "core/base/result.h"
 #include "core/halftone/picture.h"
-#include "core/result.h"
 
 namespace ccdt::api {
 

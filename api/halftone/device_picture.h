@@ -16,9 +16,9 @@
 #include "api/output/body.h"
 #include "api/run/deadline.h"
 #include "api/run/options.h"
+#include "core/base/result.h"
 #include "core/ccdt/ccdt.h"
 #include "core/halftone/levels.h"
-#include "core/result.h"
 
 namespace ccdt::api {
 

@@ -6,8 +6,8 @@
 
 #include "api/halftone/halftone_request.h"
 #include "api/output/json_writer.h"
+#include "core/base/result.h"
 #include "core/halftone/dots.h"
-#include "core/result.h"
 
 namespace ccdt::api {
 

@@ -10,8 +10,8 @@
 #include "api/halftone/halftone_request.h"
 #include "api/output/body.h"
 #include "api/run/options.h"
+#include "core/base/result.h"
 #include "core/ccdt/ccdt.h"
-#include "core/result.h"
 
 namespace ccdt::api {
 

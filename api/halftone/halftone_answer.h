@@ -6,8 +6,8 @@
 #include "api/halftone/halftone_plan.h"
 #include "api/halftone/halftone_request.h"
 #include "api/output/body.h"
+#include "core/base/result.h"
 #include "core/ccdt/ccdt.h"
-#include "core/result.h"
 
 namespace ccdt::api {
 

@@ -11,7 +11,7 @@
 #include "api/input/option_reader.h"
 #include "api/json/json_document.h"
 #include "api/run/options.h"
-#include "core/result.h"
+#include "core/base/result.h"
 
 namespace ccdt::api {
 

@@ -8,12 +8,12 @@
 #include "api/decode/decode.h"
 #include "api/halftone/halftone_request.h"
 #include "api/output/json_writer.h"
+#include "core/base/result.h"
 #include "core/ccdt/ccdt.h"
 #include "core/density/density.h"
 #include "core/halftone/dots.h"
 #include "core/halftone/field_plan.h"
 #include "core/halftone/print_proof.h"
-#include "core/result.h"
 
 namespace ccdt::api {
 

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "api/image/row_source.h"
-#include "core/result.h"
+#include "core/base/result.h"
 
 namespace ccdt::api {
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "api/input/colour.h"
-#include "core/result.h"
+#include "core/base/result.h"
 
 namespace ccdt::api {
 

@@ -7,7 +7,7 @@
 #include "api/image/image_header.h"
 #include "api/input/option_reader.h"
 #include "api/run/options.h"
-#include "core/result.h"
+#include "core/base/result.h"
 
 namespace ccdt::api {
 

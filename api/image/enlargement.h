@@ -2,7 +2,7 @@
 #pragma once
 
 #include "api/image/overlay.h"
-#include "core/parallel/executor.h"
+#include "core/base/executor.h"
 
 namespace ccdt::api {
 

@@ -5,7 +5,7 @@
 
 #include "api/image/image_header.h"
 #include "api/image/row_source.h"
-#include "core/result.h"
+#include "core/base/result.h"
 
 namespace ccdt::api {
 

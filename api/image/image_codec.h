@@ -4,8 +4,8 @@
 #include <string_view>
 
 #include "api/image/picture_reader.h"
+#include "core/base/result.h"
 #include "core/halftone/picture.h"
-#include "core/result.h"
 
 namespace ccdt::api {
 

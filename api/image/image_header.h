@@ -10,7 +10,7 @@
 
 #include "api/image/heif_properties.h"
 #include "api/image/image_format.h"
-#include "core/result.h"
+#include "core/base/result.h"
 
 namespace ccdt::api {
 

@@ -9,8 +9,8 @@
 
 #include "api/image/shades.h"
 #include "api/input/palette.h"
+#include "core/base/executor.h"
 #include "core/halftone/dots.h"
-#include "core/parallel/executor.h"
 
 namespace ccdt::api {
 

@@ -8,9 +8,9 @@
 
 #include "api/image/colour_profile.h"
 #include "api/image/row_source.h"
+#include "core/base/result.h"
 #include "core/halftone/overprint.h"
 #include "core/halftone/picture.h"
-#include "core/result.h"
 
 namespace ccdt::api {
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "api/image/overlay.h"
-#include "core/result.h"
+#include "core/base/result.h"
 
 namespace ccdt::api {
 

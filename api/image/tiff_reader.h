@@ -7,7 +7,7 @@
 #include "api/image/image_header.h"
 #include "api/image/row_source.h"
 #include "api/image/tiff_pixels.h"
-#include "core/result.h"
+#include "core/base/result.h"
 
 namespace ccdt::api {
 

@@ -6,7 +6,7 @@
 
 #include "api/input/colour.h"
 #include "api/input/option_reader.h"
-#include "core/result.h"
+#include "core/base/result.h"
 
 namespace ccdt::api {
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "api/input/option_reader.h"
+#include "core/base/result.h"
 #include "core/geometry/domain.h"
-#include "core/result.h"
 #include "core/volume/box_domain3.h"
 
 namespace ccdt::api {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "api/input/option_reader.h"
-#include "core/result.h"
+#include "core/base/result.h"
 
 namespace ccdt::api {
 

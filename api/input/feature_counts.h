@@ -9,8 +9,8 @@
 
 #include "api/input/feature_list.h"
 #include "api/input/option_reader.h"
+#include "core/base/result.h"
 #include "core/geometry/point3.h"
-#include "core/result.h"
 
 namespace ccdt::api {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "api/input/option_reader.h"
-#include "core/result.h"
+#include "core/base/result.h"
 
 namespace ccdt::api {
 

@@ -8,8 +8,8 @@
 
 #include "api/input/option_reader.h"
 #include "api/run/estimate.h"
+#include "core/base/result.h"
 #include "core/ccdt/ccdt.h"
-#include "core/result.h"
 
 namespace ccdt::api {
 

@@ -8,7 +8,7 @@
 
 #include "api/input/file_formats.h"
 #include "api/input/option_reader.h"
-#include "core/result.h"
+#include "core/base/result.h"
 
 namespace ccdt::api {
 

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "api/input/option_reader.h"
+#include "core/base/result.h"
 #include "core/halftone/levels.h"
 #include "core/halftone/picture.h"
-#include "core/result.h"
 
 namespace ccdt::api {
 

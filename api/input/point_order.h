@@ -2,7 +2,7 @@
 #pragma once
 
 #include "api/input/option_reader.h"
-#include "core/result.h"
+#include "core/base/result.h"
 
 namespace ccdt::api {
 

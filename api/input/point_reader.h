@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "api/input/option_reader.h"
+#include "core/base/result.h"
 #include "core/geometry/point.h"
 #include "core/geometry/point3.h"
-#include "core/result.h"
 
 namespace ccdt::api {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "api/input/option_reader.h"
+#include "core/base/result.h"
 #include "core/geometry/domain.h"
-#include "core/result.h"
 
 namespace ccdt::api {
 

@@ -6,7 +6,7 @@
 
 #include "api/input/option_reader.h"
 #include "api/input/polygon_reader.h"
-#include "core/result.h"
+#include "core/base/result.h"
 
 namespace ccdt::api {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "api/run/options.h"
-#include "core/result.h"
+#include "core/base/result.h"
 
 namespace ccdt::api {
 

@@ -9,8 +9,8 @@
 #include "api/decode/decode.h"
 #include "api/output/body.h"
 #include "api/run/options.h"
+#include "core/base/result.h"
 #include "core/ccdt/ccdt.h"
-#include "core/result.h"
 
 namespace ccdt::api {
 

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "api/run/options.h"
-#include "core/result.h"
+#include "core/base/result.h"
 
 namespace ccdt::api {
 

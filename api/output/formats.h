@@ -16,7 +16,7 @@
 #include "api/output/point_drawing.h"
 #include "api/output/point_set.h"
 #include "api/run/estimate.h"
-#include "core/result.h"
+#include "core/base/result.h"
 
 namespace ccdt::api {
 

@@ -12,8 +12,8 @@
 #include "api/input/drawing_options.h"
 #include "api/output/page.h"
 #include "api/output/point_set.h"
+#include "core/base/result.h"
 #include "core/geometry/point.h"
-#include "core/result.h"
 
 namespace ccdt::api {
 

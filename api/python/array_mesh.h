@@ -3,7 +3,7 @@
 
 #include <pybind11/pybind11.h>
 
-#include "core/result.h"
+#include "core/base/result.h"
 #include "core/surface/triangle_soup.h"
 
 namespace ccdt::python {

@@ -5,7 +5,7 @@
 
 #include "api/decode/decode.h"
 #include "api/image/image_header.h"
-#include "core/result.h"
+#include "core/base/result.h"
 
 namespace ccdt::python {
 

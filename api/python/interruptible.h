@@ -14,8 +14,8 @@
 
 #include <pybind11/pybind11.h>
 
+#include "core/base/thread_executor.h"
 #include "core/ccdt/ccdt.h"
-#include "core/parallel/thread_executor.h"
 
 namespace ccdt::python {
 

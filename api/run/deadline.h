@@ -3,8 +3,8 @@
 
 #include <stop_token>
 
+#include "core/base/result.h"
 #include "core/ccdt/ccdt.h"
-#include "core/result.h"
 
 namespace ccdt::api {
 

@@ -11,9 +11,9 @@
 #include "api/input/option_reader.h"
 #include "api/run/estimate.h"
 #include "api/run/options.h"
+#include "core/base/result.h"
 #include "core/ccdt/ccdt.h"
 #include "core/density/density.h"
-#include "core/result.h"
 
 namespace ccdt::api {
 

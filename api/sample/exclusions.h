@@ -8,10 +8,10 @@
 #include "api/decode/decode.h"
 #include "api/run/options.h"
 #include "api/sample/sample_request.h"
+#include "core/base/result.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/faults.h"
 #include "core/geometry/polygon.h"
-#include "core/result.h"
 
 namespace ccdt::api {
 

@@ -7,10 +7,10 @@
 #include <stop_token>
 
 #include "api/sample/sample_request.h"
+#include "core/base/result.h"
 #include "core/dotmap/dot_map.h"
 #include "core/geometry/domain.h"
 #include "core/order/reorder.h"
-#include "core/result.h"
 
 namespace ccdt::api {
 

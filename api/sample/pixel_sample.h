@@ -13,10 +13,10 @@
 #include "api/run/options.h"
 #include "api/sample/density_input.h"
 #include "api/sample/pixel_formats.h"
+#include "core/base/result.h"
 #include "core/ccdt/ccdt.h"
 #include "core/density/density.h"
 #include "core/dither/frame.h"
-#include "core/result.h"
 
 namespace ccdt::api {
 

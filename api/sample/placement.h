@@ -7,10 +7,10 @@
 
 #include "api/sample/sample_area.h"
 #include "api/sample/sample_request.h"
+#include "core/base/result.h"
 #include "core/ccdt/ccdt.h"
 #include "core/density/density.h"
 #include "core/dotmap/dot_map.h"
-#include "core/result.h"
 
 namespace ccdt::api {
 

@@ -16,8 +16,8 @@
 #include "api/output/npy_header.h"
 #include "api/output/records.h"
 #include "api/run/estimate.h"
+#include "core/base/result.h"
 #include "core/geometry/point3.h"
-#include "core/result.h"
 #include "core/surface/surface_note.h"
 
 namespace ccdt::api {

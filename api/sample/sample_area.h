@@ -11,11 +11,11 @@
 #include "api/output/json_writer.h"
 #include "api/run/options.h"
 #include "api/sample/sample_request.h"
+#include "core/base/result.h"
 #include "core/dotmap/dot_map.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/faults.h"
 #include "core/geometry/polygon.h"
-#include "core/result.h"
 
 namespace ccdt::api {
 

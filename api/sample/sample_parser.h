@@ -7,7 +7,7 @@
 #include "api/json/json_document.h"
 #include "api/run/options.h"
 #include "api/sample/sample_request.h"
-#include "core/result.h"
+#include "core/base/result.h"
 
 namespace ccdt::api {
 

@@ -9,10 +9,10 @@
 #include "api/output/page.h"
 #include "api/run/options.h"
 #include "api/sample/sample_request.h"
+#include "core/base/result.h"
 #include "core/ccdt/ccdt.h"
 #include "core/dotmap/dot_map.h"
 #include "core/geometry/domain.h"
-#include "core/result.h"
 
 namespace ccdt::api {
 

@@ -9,8 +9,8 @@
 
 #include "api/output/body.h"
 #include "api/sample/point_format3.h"
+#include "core/base/result.h"
 #include "core/geometry/point3.h"
-#include "core/result.h"
 #include "core/surface/distribute.h"
 #include "core/surface/surface.h"
 #include "core/surface/triangle_soup.h"

@@ -12,8 +12,8 @@
 #include "api/sample/sample_request3.h"
 #include "api/sample/surface_formats.h"
 #include "api/surface/surface_header.h"
+#include "core/base/result.h"
 #include "core/ccdt/ccdt.h"
-#include "core/result.h"
 #include "core/surface/distribute.h"
 
 namespace ccdt::api {

@@ -10,8 +10,8 @@
 #include "api/input/file_formats.h"
 #include "api/run/estimate.h"
 #include "api/run/options.h"
+#include "core/base/result.h"
 #include "core/ccdt/ccdt.h"
-#include "core/result.h"
 
 namespace ccdt::api {
 

@@ -14,8 +14,8 @@
 #include "api/sample/volume_formats.h"
 #include "api/sample/voxel_input.h"
 #include "api/surface/surface_header.h"
+#include "core/base/result.h"
 #include "core/ccdt/ccdt.h"
-#include "core/result.h"
 #include "core/volume/box_domain3.h"
 #include "core/volume/distribute_volume.h"
 

@@ -14,7 +14,7 @@
 #include "api/run/estimate.h"
 #include "api/run/options.h"
 #include "api/sample/density_input.h"
-#include "core/result.h"
+#include "core/base/result.h"
 #include "core/volume/voxel_density.h"
 
 namespace ccdt::api {

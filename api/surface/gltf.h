@@ -5,7 +5,7 @@
 #include "api/surface/gltf_materials.h"
 #include "api/surface/surface_builder.h"
 #include "api/surface/surface_format.h"
-#include "core/result.h"
+#include "core/base/result.h"
 
 namespace ccdt::api {
 

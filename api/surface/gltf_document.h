@@ -13,7 +13,7 @@
 #include "api/json/json_document.h"
 #include "api/surface/bytes.h"
 #include "api/surface/surface_format.h"
-#include "core/result.h"
+#include "core/base/result.h"
 
 namespace ccdt::api {
 

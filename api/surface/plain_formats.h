@@ -8,7 +8,7 @@
 #include "api/surface/ply.h"
 #include "api/surface/stl.h"
 #include "api/surface/surface_format.h"
-#include "core/result.h"
+#include "core/base/result.h"
 
 namespace ccdt::api {
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "api/surface/surface_builder.h"
+#include "core/base/result.h"
 #include "core/geometry/point3.h"
-#include "core/result.h"
 
 namespace ccdt::api {
 

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "api/surface/surface_builder.h"
-#include "core/result.h"
+#include "core/base/result.h"
 
 namespace ccdt::api {
 

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "api/surface/surface_format.h"
+#include "core/base/result.h"
 #include "core/geometry/point3.h"
-#include "core/result.h"
 #include "core/surface/triangle_soup.h"
 
 namespace ccdt::api {

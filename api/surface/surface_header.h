@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "api/surface/surface_format.h"
-#include "core/result.h"
+#include "core/base/result.h"
 
 namespace ccdt::api {
 

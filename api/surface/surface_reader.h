@@ -6,7 +6,7 @@
 #include "api/surface/gltf_materials.h"
 #include "api/surface/surface_builder.h"
 #include "api/surface/surface_header.h"
-#include "core/result.h"
+#include "core/base/result.h"
 
 namespace ccdt::api {
 

@@ -7,10 +7,10 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
 #include "core/geometry/point3.h"
-#include "core/result.h"
 
 namespace ccdt {
 

@@ -8,7 +8,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "core/random.h"
+#include "core/base/random.h"
 
 namespace ccdt {
 namespace {

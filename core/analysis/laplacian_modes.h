@@ -8,8 +8,8 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/geometry/point3.h"
-#include "core/result.h"
 
 // Matrices by Eigen, which only laplacian_modes.cpp includes.
 namespace ccdt {

@@ -7,7 +7,7 @@
 #include <stop_token>
 #include <vector>
 
-#include "core/fourier/fft.h"
+#include "core/base/fft.h"
 #include "core/geometry/point.h"
 #include "core/geometry/point3.h"
 

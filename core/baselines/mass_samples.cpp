@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/baselines/mass_samples.h"
 
+#include "core/base/random.h"
 #include "core/baselines/bisection.h"
-#include "core/random.h"
 
 namespace ccdt {
 

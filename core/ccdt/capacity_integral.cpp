@@ -7,9 +7,9 @@
 #include <span>
 #include <utility>
 
+#include "core/base/lanes.h"
 #include "core/density/grid_walk.h"
 #include "core/density/pieces_walk.h"
-#include "core/geometry/lanes.h"
 #include "core/mesh/edge_list.h"
 
 namespace ccdt {

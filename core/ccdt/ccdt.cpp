@@ -7,11 +7,11 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/random.h"
 #include "core/ccdt/construction.h"
 #include "core/polish/polish.h"
 #include "core/polish/settings.h"
 #include "core/polish/stealth.h"
-#include "core/random.h"
 
 namespace ccdt {
 

@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/ccdt/distribution.h"
 #include "core/density/density.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
-#include "core/result.h"
 
 namespace ccdt {
 

@@ -5,13 +5,13 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/ccdt/border.h"
 #include "core/ccdt/capacity_integral.h"
 #include "core/ccdt/distribution.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
 #include "core/mesh/triangulation.h"
-#include "core/result.h"
 
 namespace ccdt {
 

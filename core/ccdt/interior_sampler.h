@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/random.h"
 #include "core/geometry/point.h"
-#include "core/random.h"
 
 namespace ccdt {
 

@@ -7,11 +7,11 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/random.h"
 #include "core/ccdt/interior_sampler.h"
 #include "core/mesh/insertion.h"
 #include "core/mesh/insertion_steps.h"
 #include "core/mesh/inside.h"
-#include "core/random.h"
 
 namespace ccdt {
 

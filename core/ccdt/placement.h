@@ -6,9 +6,9 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/ccdt/start.h"
 #include "core/mesh/triangulation.h"
-#include "core/result.h"
 
 namespace ccdt {
 

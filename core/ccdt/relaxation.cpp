@@ -7,7 +7,7 @@
 #include <numeric>
 #include <utility>
 
-#include "core/geometry/lanes.h"
+#include "core/base/lanes.h"
 #include "core/geometry/predicates.h"
 
 namespace ccdt {

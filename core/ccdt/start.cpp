@@ -7,11 +7,11 @@
 #include <functional>
 #include <utility>
 
+#include "core/base/random.h"
 #include "core/density/coverage.h"
 #include "core/density/zones.h"
 #include "core/geometry/apportion.h"
 #include "core/geometry/morton.h"
-#include "core/random.h"
 
 namespace ccdt {
 

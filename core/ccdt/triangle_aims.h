@@ -9,9 +9,9 @@
 #include <unordered_map>
 #include <vector>
 
+#include "core/base/executor.h"
 #include "core/ccdt/triangle_goals.h"
 #include "core/geometry/hexagonal_spacing.h"
-#include "core/parallel/executor.h"
 
 // The goals of triangles that touch a border or fixed sites. A mesh is a Triangulation or a SurfaceTriangulation;
 // goals.h explains the goals.

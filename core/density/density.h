@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/geometry/point.h"
-#include "core/result.h"
 
 namespace ccdt {
 

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "core/geometry/lanes.h"
+#include "core/base/lanes.h"
 
 namespace ccdt {
 

@@ -6,9 +6,9 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/base/executor.h"
 #include "core/dither/device_colours.h"
 #include "core/dither/visual_error.h"
-#include "core/parallel/executor.h"
 
 namespace ccdt {
 

@@ -6,9 +6,9 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/base/executor.h"
 #include "core/dither/error_diffusion.h"
 #include "core/halftone/overprint.h"
-#include "core/parallel/executor.h"
 
 namespace ccdt {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "core/base/executor.h"
 #include "core/halftone/overprint.h"
 #include "core/halftone/picture.h"
-#include "core/parallel/executor.h"
 
 namespace ccdt {
 

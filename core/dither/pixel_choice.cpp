@@ -9,11 +9,11 @@
 #include <string>
 #include <utility>
 
+#include "core/base/random.h"
 #include "core/dither/device_colours.h"
 #include "core/dither/direct_search.h"
 #include "core/dither/error_diffusion.h"
 #include "core/halftone/pixel_ranges.h"
-#include "core/random.h"
 
 namespace ccdt {
 

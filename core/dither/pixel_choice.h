@@ -7,9 +7,9 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/base/executor.h"
+#include "core/base/result.h"
 #include "core/density/density.h"
-#include "core/parallel/executor.h"
-#include "core/result.h"
 
 namespace ccdt {
 

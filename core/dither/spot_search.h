@@ -6,8 +6,8 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/base/executor.h"
 #include "core/dither/printed_spot.h"
-#include "core/parallel/executor.h"
 
 namespace ccdt {
 

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "core/parallel/executor.h"
+#include "core/base/executor.h"
 
 namespace ccdt {
 

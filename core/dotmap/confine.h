@@ -7,9 +7,9 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/dotmap/map_feature.h"
 #include "core/geometry/domain.h"
-#include "core/result.h"
 
 namespace ccdt {
 

@@ -8,13 +8,13 @@
 #include <string>
 #include <utility>
 
+#include "core/base/random.h"
 #include "core/ccdt/border.h"
 #include "core/ccdt/capacity_integral.h"
 #include "core/ccdt/start.h"
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/mesh/inside.h"
 #include "core/mesh/triangulation.h"
-#include "core/random.h"
 
 namespace ccdt {
 

@@ -9,6 +9,8 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/base/executor.h"
+#include "core/base/result.h"
 #include "core/ccdt/interior_sampler.h"
 #include "core/density/density.h"
 #include "core/dotmap/feature_area.h"
@@ -16,8 +18,6 @@
 #include "core/dotmap/map_feature.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
-#include "core/parallel/executor.h"
-#include "core/result.h"
 
 namespace ccdt {
 

@@ -8,6 +8,8 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/base/executor.h"
+#include "core/base/result.h"
 #include "core/ccdt/border.h"
 #include "core/ccdt/ccdt.h"
 #include "core/ccdt/domain_mesh.h"
@@ -15,12 +17,10 @@
 #include "core/dotmap/dot_ground.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
-#include "core/parallel/executor.h"
 #include "core/polish/cell_list.h"
 #include "core/polish/fixed_sites.h"
 #include "core/polish/mesh_transport.h"
 #include "core/polish/settings.h"
-#include "core/result.h"
 
 namespace ccdt {
 

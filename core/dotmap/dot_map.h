@@ -4,11 +4,11 @@
 #include <span>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/ccdt/ccdt.h"
 #include "core/density/density.h"
 #include "core/dotmap/map_feature.h"
 #include "core/geometry/point.h"
-#include "core/result.h"
 
 namespace ccdt {
 

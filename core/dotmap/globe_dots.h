@@ -5,11 +5,11 @@
 #include <span>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/ccdt/ccdt.h"
 #include "core/density/density.h"
 #include "core/dotmap/dot_map.h"
 #include "core/geometry/domain.h"
-#include "core/result.h"
 
 namespace ccdt {
 

@@ -6,9 +6,9 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
-#include "core/result.h"
 
 namespace ccdt {
 

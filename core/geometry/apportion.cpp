@@ -8,7 +8,7 @@
 #include <numbers>
 #include <tuple>
 
-#include "core/random.h"
+#include "core/base/random.h"
 
 namespace ccdt {
 

@@ -4,9 +4,9 @@
 #include <span>
 #include <stop_token>
 
+#include "core/base/result.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/polygon.h"
-#include "core/result.h"
 
 namespace ccdt {
 

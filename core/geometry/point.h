@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry/pair.h"
+#include "core/base/pair.h"
 
 namespace ccdt {
 

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/geometry/faults.h"
 #include "core/geometry/polygon.h"
 #include "core/geometry/ring_input.h"
 #include "core/geometry/unit_frame.h"
-#include "core/result.h"
 
 namespace ccdt {
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/geometry/point.h"
 #include "core/geometry/polygon.h"
-#include "core/result.h"
 
 namespace ccdt {
 

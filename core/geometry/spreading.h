@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <numbers>
 
-#include "core/geometry/pair.h"
+#include "core/base/pair.h"
 
 // Spreads points on a grid, and reads values from the grid, with the product of a kernel along x and the same kernel
 // along y. A tap is one of the grid points that the kernel covers.

@@ -3,11 +3,11 @@
 
 #include <stop_token>
 
+#include "core/base/result.h"
 #include "core/geometry/inset.h"
 #include "core/geometry/point.h"
 #include "core/globe/chart.h"
 #include "core/globe/region.h"
-#include "core/result.h"
 
 namespace ccdt {
 

@@ -3,10 +3,10 @@
 
 #include <functional>
 
+#include "core/base/result.h"
 #include "core/ccdt/ccdt.h"
 #include "core/density/density.h"
 #include "core/geometry/domain.h"
-#include "core/result.h"
 
 namespace ccdt {
 

@@ -4,10 +4,10 @@
 #include <cstddef>
 #include <stop_token>
 
+#include "core/base/result.h"
 #include "core/density/density.h"
 #include "core/geometry/domain.h"
 #include "core/globe/region.h"
-#include "core/result.h"
 
 namespace ccdt {
 

@@ -5,10 +5,10 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/polygon.h"
 #include "core/globe/chart.h"
-#include "core/result.h"
 
 namespace ccdt {
 

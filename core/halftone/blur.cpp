@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <numeric>
 
-#include "core/geometry/lanes.h"
+#include "core/base/lanes.h"
 #include "core/halftone/pixel_ranges.h"
 
 namespace ccdt {

@@ -6,8 +6,8 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/base/executor.h"
 #include "core/halftone/coverage_curve.h"
-#include "core/parallel/executor.h"
 
 namespace ccdt {
 

@@ -8,8 +8,8 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/base/executor.h"
 #include "core/geometry/point.h"
-#include "core/parallel/executor.h"
 
 namespace ccdt {
 

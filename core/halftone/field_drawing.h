@@ -7,12 +7,12 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/base/executor.h"
 #include "core/geometry/point.h"
 #include "core/halftone/dots.h"
 #include "core/halftone/field_plan.h"
 #include "core/halftone/reduction.h"
 #include "core/halftone/spot_field.h"
-#include "core/parallel/executor.h"
 
 namespace ccdt {
 

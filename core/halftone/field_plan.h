@@ -7,9 +7,9 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/base/executor.h"
 #include "core/halftone/overprint.h"
 #include "core/halftone/reduction.h"
-#include "core/parallel/executor.h"
 #include "core/polish/settings.h"
 
 namespace ccdt {

@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
+#include "core/base/executor.h"
 #include "core/geometry/point.h"
 #include "core/halftone/reduction.h"
-#include "core/parallel/executor.h"
 
 namespace ccdt {
 

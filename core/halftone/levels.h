@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "core/base/executor.h"
 #include "core/halftone/picture.h"
-#include "core/parallel/executor.h"
 
 namespace ccdt {
 

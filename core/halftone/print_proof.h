@@ -8,10 +8,10 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/base/executor.h"
 #include "core/geometry/point.h"
 #include "core/halftone/overprint.h"
 #include "core/halftone/reduction.h"
-#include "core/parallel/executor.h"
 
 namespace ccdt {
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "core/base/executor.h"
 #include "core/halftone/picture.h"
-#include "core/parallel/executor.h"
 
 namespace ccdt {
 

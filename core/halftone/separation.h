@@ -6,10 +6,10 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/base/executor.h"
 #include "core/halftone/overprint.h"
 #include "core/halftone/picture.h"
 #include "core/halftone/tone.h"
-#include "core/parallel/executor.h"
 
 namespace ccdt {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/parallel/executor.h"
+#include "core/base/executor.h"
 
 namespace ccdt {
 

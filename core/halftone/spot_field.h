@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
+#include "core/base/executor.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
 #include "core/halftone/reduction.h"
-#include "core/parallel/executor.h"
 
 namespace ccdt {
 

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "core/base/executor.h"
 #include "core/halftone/picture.h"
-#include "core/parallel/executor.h"
 
 namespace ccdt {
 

@@ -12,11 +12,11 @@
 #include "ccdt/domain.h"
 #include "ccdt/exception.h"
 #include "ccdt/sample.h"
+#include "core/base/result.h"
+#include "core/base/thread_executor.h"
 #include "core/ccdt/ccdt.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
-#include "core/parallel/thread_executor.h"
-#include "core/result.h"
 
 namespace ccdt::v2 {
 

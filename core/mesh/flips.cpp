@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "core/geometry/pair.h"
+#include "core/base/pair.h"
 #include "core/geometry/predicates.h"
 
 namespace ccdt {

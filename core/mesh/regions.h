@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/executor.h"
 #include "core/mesh/site_blocks.h"
 #include "core/mesh/triangulation.h"
-#include "core/parallel/executor.h"
 
 namespace ccdt {
 

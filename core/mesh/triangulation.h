@@ -7,11 +7,11 @@
 #include <span>
 #include <vector>
 
+#include "core/base/executor.h"
 #include "core/geometry/delaunay.h"
 #include "core/geometry/point.h"
 #include "core/mesh/half_edges.h"
 #include "core/mesh/site_blocks.h"
-#include "core/parallel/executor.h"
 
 namespace ccdt {
 

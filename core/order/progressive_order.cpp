@@ -14,9 +14,9 @@
 #include <type_traits>
 #include <utility>
 
+#include "core/base/lanes.h"
 #include "core/geometry/axes.h"
 #include "core/geometry/hexagonal_spacing.h"
-#include "core/geometry/lanes.h"
 #include "core/geometry/point3.h"
 #include "core/geometry/spreading.h"
 #include "core/globe/chart.h"

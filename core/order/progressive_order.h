@@ -6,10 +6,10 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/base/executor.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
 #include "core/geometry/point3.h"
-#include "core/parallel/executor.h"
 
 namespace ccdt {
 

@@ -9,7 +9,7 @@
 #include <span>
 #include <utility>
 
-#include "core/random.h"
+#include "core/base/random.h"
 
 namespace ccdt {
 

@@ -8,7 +8,7 @@
 #include <stop_token>
 #include <vector>
 
-#include "core/parallel/executor.h"
+#include "core/base/executor.h"
 #include "core/polish/graph_solver.h"
 #include "core/polish/push.h"
 

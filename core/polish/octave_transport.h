@@ -13,8 +13,8 @@
 #include <variant>
 #include <vector>
 
+#include "core/base/executor.h"
 #include "core/geometry/axes.h"
-#include "core/parallel/executor.h"
 #include "core/polish/push.h"
 #include "core/polish/wave_grid.h"
 

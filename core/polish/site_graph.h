@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/executor.h"
 #include "core/geometry/point.h"
 #include "core/geometry/point3.h"
-#include "core/parallel/executor.h"
 #include "core/polish/graph_solver.h"
 
 // The graph on which an excess of sites flows. Its edges are those of a mesh: a Triangulation, trimmed and not of a

@@ -9,8 +9,8 @@
 #include <cstring>
 #include <span>
 
-#include "core/geometry/lanes.h"
-#include "core/geometry/pair.h"
+#include "core/base/lanes.h"
+#include "core/base/pair.h"
 #include "core/geometry/point.h"
 #include "core/geometry/spreading.h"
 #include "core/polish/grid_frame.h"

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "core/analysis/nonuniform_transform.h"
+#include "core/base/executor.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
-#include "core/parallel/executor.h"
 #include "core/polish/wave_grid.h"
 
 namespace ccdt {

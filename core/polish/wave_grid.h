@@ -9,9 +9,9 @@
 #include <variant>
 #include <vector>
 
-#include "core/fourier/fft.h"
+#include "core/base/executor.h"
+#include "core/base/fft.h"
 #include "core/geometry/axes.h"
-#include "core/parallel/executor.h"
 #include "core/polish/grid_frame.h"
 
 namespace ccdt {

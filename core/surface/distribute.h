@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/ccdt/distribution.h"
 #include "core/geometry/point3.h"
-#include "core/result.h"
 #include "core/surface/surface.h"
 #include "core/surface/surface_density.h"
 

@@ -6,9 +6,9 @@
 #include <numeric>
 #include <utility>
 
+#include "core/base/random.h"
 #include "core/geometry/apportion.h"
 #include "core/geometry/morton.h"
-#include "core/random.h"
 #include "core/surface/face_pieces.h"
 
 namespace ccdt {

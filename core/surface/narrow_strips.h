@@ -7,8 +7,8 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/base/executor.h"
 #include "core/ccdt/narrow_rows.h"
-#include "core/parallel/executor.h"
 #include "core/surface/surface.h"
 #include "core/surface/surface_density.h"
 

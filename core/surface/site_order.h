@@ -5,7 +5,7 @@
 #include <stop_token>
 #include <vector>
 
-#include "core/parallel/executor.h"
+#include "core/base/executor.h"
 #include "core/surface/surface_triangulation.h"
 
 namespace ccdt {

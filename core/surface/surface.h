@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/geometry/point3.h"
-#include "core/result.h"
 #include "core/surface/face_tree.h"
 #include "core/surface/surface_note.h"
 #include "core/surface/surface_repair.h"

@@ -7,7 +7,7 @@
 #include <stop_token>
 #include <vector>
 
-#include "core/result.h"
+#include "core/base/result.h"
 #include "core/surface/surface.h"
 
 namespace ccdt {

@@ -10,10 +10,10 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/base/executor.h"
 #include "core/geometry/point3.h"
 #include "core/mesh/site_blocks.h"
 #include "core/mesh/triangle_links.h"
-#include "core/parallel/executor.h"
 #include "core/surface/crease_vertices.h"
 #include "core/surface/surface.h"
 #include "core/surface/unfolding.h"

@@ -8,7 +8,7 @@
 #include <numeric>
 #include <utility>
 
-#include "core/random.h"
+#include "core/base/random.h"
 
 namespace ccdt {
 

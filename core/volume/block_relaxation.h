@@ -6,9 +6,9 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/base/executor.h"
 #include "core/geometry/delaunay3.h"
 #include "core/geometry/point3.h"
-#include "core/parallel/executor.h"
 #include "core/volume/box_domain3.h"
 #include "core/volume/solid_domain.h"
 #include "core/volume/volume_spacing.h"

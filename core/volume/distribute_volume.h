@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "core/base/result.h"
 #include "core/ccdt/distribution.h"
-#include "core/result.h"
 #include "core/volume/box_domain3.h"
 #include "core/volume/volume_construction.h"
 #include "core/volume/voxel_density.h"

@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "core/base/result.h"
 #include "core/geometry/point3.h"
-#include "core/result.h"
 #include "core/volume/point_text.h"
 
 namespace ccdt {

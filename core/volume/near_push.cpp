@@ -6,9 +6,9 @@
 #include <numeric>
 #include <vector>
 
+#include "core/base/random.h"
 #include "core/polish/cell_list.h"
 #include "core/polish/push.h"
-#include "core/random.h"
 #include "core/volume/box_domain3.h"
 #include "core/volume/solid_domain.h"
 

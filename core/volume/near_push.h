@@ -4,8 +4,8 @@
 #include <span>
 #include <stop_token>
 
+#include "core/base/executor.h"
 #include "core/geometry/point3.h"
-#include "core/parallel/executor.h"
 #include "core/volume/volume_spacing.h"
 
 namespace ccdt {

@@ -7,8 +7,8 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/geometry/point3.h"
-#include "core/result.h"
 #include "core/surface/surface.h"
 
 namespace ccdt {

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/ccdt/distribution.h"
 #include "core/geometry/point3.h"
-#include "core/result.h"
 #include "core/volume/tetrahedron_mesh.h"
 #include "core/volume/voxel_density.h"
 

@@ -6,9 +6,9 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/base/executor.h"
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/geometry/point3.h"
-#include "core/parallel/executor.h"
 #include "core/volume/box_domain3.h"
 #include "core/volume/voxel_density.h"
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <utility>
 
-#include "core/random.h"
+#include "core/base/random.h"
 #include "core/volume/box_domain3.h"
 #include "core/volume/solid_domain.h"
 

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/geometry/axes.h"
 #include "core/geometry/point3.h"
-#include "core/result.h"
 
 namespace ccdt {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "core/result.h"
+#include "core/base/result.h"
 #include "server/access/key_ring.h"
 #include "server/access/rate_limiter.h"
 #include "server/access/shared_rate.h"

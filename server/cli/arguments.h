@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "api/run/options.h"
-#include "core/result.h"
+#include "core/base/result.h"
 #include "server/cli/option.h"
 
 namespace ccdt::server {

@@ -10,7 +10,7 @@
 
 #include "api/output/body.h"
 #include "api/output/file_writer.h"
-#include "core/result.h"
+#include "core/base/result.h"
 #include "server/cli/interruption.h"
 
 namespace ccdt::server {

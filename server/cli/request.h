@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "api/operation/parsed_request.h"
-#include "core/result.h"
+#include "core/base/result.h"
 #include "server/cli/arguments.h"
 #include "server/cli/command.h"
 

@@ -18,7 +18,7 @@
 
 #include "api/json/json_document.h"
 #include "api/map/shapefile_reader.h"
-#include "core/parallel/thread_executor.h"
+#include "core/base/thread_executor.h"
 #include "server/cli/arguments.h"
 #include "server/cli/console.h"
 #include "server/cli/decoding.h"

@@ -22,7 +22,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "core/parallel/thread_executor.h"
+#include "core/base/thread_executor.h"
 #include "server/decoder/decoder_client.h"
 #include "server/decoder/decoder_protocol.h"
 #include "server/processes/messages.h"

@@ -7,8 +7,8 @@
 #include <type_traits>
 
 #include "api/run/options.h"
+#include "core/base/result.h"
 #include "core/ccdt/ccdt.h"
-#include "core/result.h"
 #include "server/processes/unique_fd.h"
 #include "server/work/computation.h"
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "api/run/options.h"
-#include "core/result.h"
+#include "core/base/result.h"
 #include "server/access/access_control.h"
 #include "server/access/rate_limiter.h"
 #include "server/http/capacity.h"

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "core/result.h"
+#include "core/base/result.h"
 #include "server/config/config.h"
 
 namespace ccdt::server {

@@ -14,8 +14,8 @@
 #include "api/decode/decode.h"
 #include "api/map/shapefile_parts.h"
 #include "api/surface/surface_reader.h"
+#include "core/base/result.h"
 #include "core/halftone/picture.h"
-#include "core/result.h"
 #include "server/decoder/decoder_sandbox.h"
 
 namespace ccdt::server {

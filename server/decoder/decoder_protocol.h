@@ -11,9 +11,9 @@
 #include <type_traits>
 
 #include "api/surface/surface_reader.h"
+#include "core/base/result.h"
 #include "core/halftone/overprint.h"
 #include "core/halftone/picture.h"
-#include "core/result.h"
 #include "server/decoder/decoder_confinement.h"
 #include "server/decoder/decoder_sandbox.h"
 #include "server/processes/unique_fd.h"

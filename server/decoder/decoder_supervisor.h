@@ -7,7 +7,7 @@
 #include <stop_token>
 #include <utility>
 
-#include "core/result.h"
+#include "core/base/result.h"
 #include "server/decoder/decoder_confinement.h"
 #include "server/processes/supervised_program.h"
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "core/result.h"
+#include "core/base/result.h"
 #include "server/http/problem.h"
 #include "server/processes/unique_fd.h"
 

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "core/result.h"
+#include "core/base/result.h"
 #include "server/http/capacity.h"
 #include "server/http/connection.h"
 #include "server/http/http.h"

@@ -8,7 +8,7 @@
 
 #include <tl/expected.hpp>
 
-#include "core/result.h"
+#include "core/base/result.h"
 #include "server/http/message.h"
 
 namespace ccdt::server {

@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-#include "core/result.h"
+#include "core/base/result.h"
 #include "server/http/ip_address.h"
 #include "server/processes/unique_fd.h"
 

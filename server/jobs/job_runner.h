@@ -9,7 +9,7 @@
 #include <string_view>
 #include <thread>
 
-#include "core/result.h"
+#include "core/base/result.h"
 #include "server/jobs/followed_jobs.h"
 #include "server/jobs/job_limits.h"
 #include "server/jobs/job_runs.h"

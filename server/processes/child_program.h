@@ -8,7 +8,7 @@
 
 #include <sys/types.h>
 
-#include "core/result.h"
+#include "core/base/result.h"
 #include "server/processes/unique_fd.h"
 
 namespace ccdt::server {

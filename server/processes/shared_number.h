@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "core/result.h"
+#include "core/base/result.h"
 #include "server/processes/unique_fd.h"
 
 namespace ccdt::server {

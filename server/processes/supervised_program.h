@@ -13,7 +13,7 @@
 #include <string>
 #include <thread>
 
-#include "core/result.h"
+#include "core/base/result.h"
 #include "server/processes/child_program.h"
 #include "server/processes/unique_fd.h"
 

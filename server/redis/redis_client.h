@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/result.h"
+#include "core/base/result.h"
 #include "server/redis/redis_address.h"
 #include "server/redis/redis_connection.h"
 #include "server/redis/redis_script.h"

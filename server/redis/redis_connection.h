@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/result.h"
+#include "core/base/result.h"
 #include "server/processes/unique_fd.h"
 #include "server/redis/redis_address.h"
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <thread>
 
-#include "core/result.h"
+#include "core/base/result.h"
 #include "server/redis/redis_address.h"
 #include "server/redis/redis_connection.h"
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/result.h"
+#include "core/base/result.h"
 #include "server/access/access_control.h"
 #include "server/compute/compute_supervisor.h"
 #include "server/config/config.h"

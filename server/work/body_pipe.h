@@ -12,7 +12,7 @@
 #include <string_view>
 
 #include "api/run/options.h"
-#include "core/result.h"
+#include "core/base/result.h"
 #include "server/work/memory_budget.h"
 
 namespace ccdt::server {

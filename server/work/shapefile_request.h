@@ -9,7 +9,7 @@
 
 #include "api/map/shapefile_parts.h"
 #include "api/run/options.h"
-#include "core/result.h"
+#include "core/base/result.h"
 #include "server/work/compute_request.h"
 
 namespace ccdt::server {

@@ -11,12 +11,12 @@
 
 #include "core/analysis/analysis.h"
 #include "core/analysis/nonuniform_transform.h"
+#include "core/base/thread_executor.h"
 #include "core/baselines/odt.h"
 #include "core/ccdt/ccdt.h"
 #include "core/dither/pixel_choice.h"
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/order/progressive_order.h"
-#include "core/parallel/thread_executor.h"
 #include "tests/support/evenness.h"
 #include "tests/support/pictures.h"
 #include "tests/support/shapes.h"

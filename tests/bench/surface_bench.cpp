@@ -9,8 +9,8 @@
 #include <thread>
 #include <vector>
 
-#include "core/parallel/thread_executor.h"
-#include "core/random.h"
+#include "core/base/random.h"
+#include "core/base/thread_executor.h"
 #include "core/surface/distribute.h"
 #include "core/surface/surface_analysis.h"
 #include "tests/bench/stages.h"

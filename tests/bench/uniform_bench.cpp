@@ -3,8 +3,8 @@
 
 #include <benchmark/benchmark.h>
 
+#include "core/base/thread_executor.h"
 #include "core/ccdt/ccdt.h"
-#include "core/parallel/thread_executor.h"
 #include "tests/bench/stages.h"
 #include "tests/bench/yardstick.h"
 

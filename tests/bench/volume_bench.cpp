@@ -10,9 +10,9 @@
 #include <benchmark/benchmark.h>
 
 #include "core/analysis/analysis.h"
+#include "core/base/random.h"
+#include "core/base/thread_executor.h"
 #include "core/order/progressive_order.h"
-#include "core/parallel/thread_executor.h"
-#include "core/random.h"
 #include "core/volume/distribute_volume.h"
 #include "core/volume/volume_mesh.h"
 #include "core/volume/volume_spacing.h"

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "api/run/options.h"
-#include "core/result.h"
+#include "core/base/result.h"
 #include "server/http/http.h"
 
 /// Aborts the program if the condition is false; the fuzzer reports a crash. Unlike assert(), never disabled.

@@ -3,9 +3,9 @@
 
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/ccdt/ccdt.h"
 #include "core/geometry/domain.h"
-#include "core/result.h"
 #include "core/surface/triangle_soup.h"
 
 namespace ccdt::fuzz {

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "core/base/random.h"
 #include "core/ccdt/border.h"
 #include "core/ccdt/capacity_integral.h"
 #include "core/ccdt/ccdt.h"
@@ -10,7 +11,6 @@
 #include "core/density/density.h"
 #include "core/geometry/domain.h"
 #include "core/mesh/triangulation.h"
-#include "core/random.h"
 #include "tests/support/shapes.h"
 
 namespace ccdt::test {

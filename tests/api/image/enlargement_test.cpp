@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "api/input/colour.h"
+#include "core/base/thread_executor.h"
 #include "core/halftone/softening.h"
 #include "core/halftone/srgb.h"
-#include "core/parallel/thread_executor.h"
 
 namespace ccdt::api {
 namespace {

@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "api/input/option_reader.h"
-#include "core/parallel/thread_executor.h"
+#include "core/base/thread_executor.h"
 
 namespace ccdt::api {
 namespace {

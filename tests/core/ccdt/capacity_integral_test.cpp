@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/random.h"
 #include "core/mesh/insertion.h"
 #include "core/mesh/inside.h"
-#include "core/random.h"
 #include "tests/support/meshes.h"
 
 namespace ccdt {

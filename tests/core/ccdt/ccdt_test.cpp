@@ -10,9 +10,9 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/random.h"
+#include "core/base/thread_executor.h"
 #include "core/geometry/delaunay.h"
-#include "core/parallel/thread_executor.h"
-#include "core/random.h"
 #include "tests/support/meshes.h"
 #include "tests/support/pictures.h"
 

@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
+#include "core/base/random.h"
 #include "core/ccdt/ccdt.h"
 #include "core/ccdt/fixed_area.h"
 #include "core/geometry/hexagonal_spacing.h"
-#include "core/random.h"
 #include "tests/support/shapes.h"
 
 namespace ccdt {

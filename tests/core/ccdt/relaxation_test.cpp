@@ -6,10 +6,10 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/random.h"
 #include "core/mesh/flips.h"
 #include "core/mesh/insertion.h"
 #include "core/mesh/inside.h"
-#include "core/random.h"
 #include "tests/support/meshes.h"
 #include "tests/support/pictures.h"
 

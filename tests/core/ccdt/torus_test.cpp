@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/random.h"
 #include "core/ccdt/ccdt.h"
-#include "core/random.h"
 #include "tests/support/meshes.h"
 
 namespace ccdt {

@@ -10,11 +10,11 @@
 #include <numeric>
 #include <vector>
 
+#include "core/base/thread_executor.h"
 #include "core/dither/device_colours.h"
 #include "core/dither/direct_search.h"
 #include "core/halftone/blur.h"
 #include "core/halftone/tone.h"
-#include "core/parallel/thread_executor.h"
 
 namespace ccdt {
 namespace {

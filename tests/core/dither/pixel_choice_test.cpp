@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/parallel/thread_executor.h"
+#include "core/base/thread_executor.h"
 
 namespace ccdt {
 namespace {

@@ -7,9 +7,9 @@
 #include <cstddef>
 #include <vector>
 
+#include "core/base/thread_executor.h"
 #include "core/dither/error_diffusion.h"
 #include "core/halftone/blur.h"
-#include "core/parallel/thread_executor.h"
 
 namespace ccdt {
 namespace {

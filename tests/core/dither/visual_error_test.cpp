@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/random.h"
+#include "core/base/random.h"
 
 namespace ccdt {
 namespace {

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/base/random.h"
+#include "core/base/thread_executor.h"
 #include "core/geometry/hexagonal_spacing.h"
-#include "core/parallel/thread_executor.h"
-#include "core/random.h"
 #include "tests/support/shapes.h"
 
 namespace ccdt {

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
+#include "core/base/random.h"
 #include "core/dotmap/feature_index.h"
-#include "core/random.h"
 #include "tests/support/shapes.h"
 
 namespace ccdt {

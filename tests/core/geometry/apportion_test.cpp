@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/random.h"
 #include "core/geometry/hexagonal_spacing.h"
-#include "core/random.h"
 
 namespace ccdt {
 namespace {

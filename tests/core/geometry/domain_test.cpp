@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/random.h"
 #include "core/geometry/predicates.h"
-#include "core/random.h"
 #include "tests/support/shapes.h"
 
 namespace ccdt {

@@ -6,10 +6,10 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/random.h"
 #include "core/ccdt/ccdt.h"
 #include "core/density/density.h"
 #include "core/geometry/domain.h"
-#include "core/random.h"
 #include "tests/support/shapes.h"
 
 namespace ccdt {

@@ -10,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/random.h"
 #include "core/halftone/diffusion.h"
-#include "core/random.h"
 
 namespace ccdt {
 namespace {

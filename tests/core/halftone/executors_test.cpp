@@ -8,6 +8,7 @@
 #include <tuple>
 #include <vector>
 
+#include "core/base/thread_executor.h"
 #include "core/halftone/blur.h"
 #include "core/halftone/dot_plan.h"
 #include "core/halftone/dots.h"
@@ -20,7 +21,6 @@
 #include "core/halftone/separation.h"
 #include "core/halftone/sharpening.h"
 #include "core/halftone/tone.h"
-#include "core/parallel/thread_executor.h"
 #include "tests/support/inks.h"
 
 namespace ccdt {

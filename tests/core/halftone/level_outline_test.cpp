@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/random.h"
 #include "core/halftone/ring_reduction.h"
-#include "core/random.h"
 
 namespace ccdt {
 namespace {

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/random.h"
 #include "core/halftone/blur.h"
-#include "core/random.h"
 
 namespace ccdt {
 namespace {

@@ -4,12 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/random.h"
 #include "core/geometry/predicates.h"
 #include "core/mesh/flips.h"
 #include "core/mesh/insertion.h"
 #include "core/mesh/inside.h"
 #include "core/mesh/triangulation.h"
-#include "core/random.h"
 #include "tests/support/meshes.h"
 
 namespace ccdt {

@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "core/random.h"
+#include "core/base/random.h"
 
 namespace ccdt {
 namespace {

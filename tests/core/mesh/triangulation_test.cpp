@@ -9,13 +9,13 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/random.h"
+#include "core/base/thread_executor.h"
 #include "core/ccdt/start.h"
 #include "core/mesh/flips.h"
 #include "core/mesh/insertion.h"
 #include "core/mesh/inside.h"
 #include "core/mesh/relocation.h"
-#include "core/parallel/thread_executor.h"
-#include "core/random.h"
 #include "tests/support/meshes.h"
 
 namespace ccdt {

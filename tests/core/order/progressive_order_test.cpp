@@ -13,13 +13,13 @@
 #include <utility>
 
 #include "core/analysis/analysis.h"
+#include "core/base/random.h"
+#include "core/base/thread_executor.h"
 #include "core/ccdt/ccdt.h"
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/globe/chart.h"
 #include "core/order/reorder.h"
-#include "core/parallel/thread_executor.h"
 #include "core/polish/cell_list.h"
-#include "core/random.h"
 #include "core/volume/distribute_volume.h"
 #include "tests/support/evenness.h"
 

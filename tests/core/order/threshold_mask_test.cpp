@@ -9,7 +9,7 @@
 #include <numeric>
 #include <utility>
 
-#include "core/parallel/thread_executor.h"
+#include "core/base/thread_executor.h"
 
 namespace ccdt {
 namespace {

@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/parallel/thread_executor.h"
-#include "core/random.h"
+#include "core/base/random.h"
+#include "core/base/thread_executor.h"
 
 namespace ccdt {
 namespace {

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/random.h"
 #include "core/geometry/hexagonal_spacing.h"
-#include "core/random.h"
 
 namespace ccdt {
 namespace {

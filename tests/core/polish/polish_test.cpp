@@ -8,10 +8,10 @@
 #include <gtest/gtest.h>
 
 #include "core/analysis/analysis.h"
+#include "core/base/random.h"
 #include "core/ccdt/capacity_integral.h"
 #include "core/ccdt/ccdt.h"
 #include "core/mesh/flips.h"
-#include "core/random.h"
 #include "tests/support/evenness.h"
 #include "tests/support/meshes.h"
 #include "tests/support/pictures.h"

@@ -14,8 +14,8 @@
 #include <utility>
 
 #include "core/analysis/spacing.h"
+#include "core/base/thread_executor.h"
 #include "core/geometry/hexagonal_spacing.h"
-#include "core/parallel/thread_executor.h"
 #include "tests/support/surfaces.h"
 
 namespace ccdt {

@@ -9,7 +9,7 @@
 #include <numeric>
 #include <vector>
 
-#include "core/parallel/executor.h"
+#include "core/base/executor.h"
 #include "core/surface/initial_sites.h"
 #include "tests/support/surfaces.h"
 

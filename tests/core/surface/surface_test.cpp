@@ -10,7 +10,7 @@
 #include <set>
 #include <stop_token>
 
-#include "core/random.h"
+#include "core/base/random.h"
 #include "tests/support/surfaces.h"
 
 namespace ccdt {

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <numeric>
 
-#include "core/random.h"
+#include "core/base/random.h"
 
 namespace ccdt {
 namespace {

@@ -10,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/parallel/thread_executor.h"
-#include "core/random.h"
+#include "core/base/random.h"
+#include "core/base/thread_executor.h"
 #include "core/volume/distribute_volume.h"
 #include "tests/support/solids.h"
 

@@ -13,8 +13,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/thread_executor.h"
 #include "core/geometry/delaunay3.h"
-#include "core/parallel/thread_executor.h"
 #include "tests/support/solids.h"
 
 namespace ccdt {

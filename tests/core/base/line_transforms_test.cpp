@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/fourier/line_transforms.h"
+#include "core/base/line_transforms.h"
 
 #include <complex>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "core/random.h"
+#include "core/base/random.h"
 
 namespace ccdt {
 namespace {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <span>
 
-#include "core/parallel/executor.h"
+#include "core/base/executor.h"
 
 namespace ccdt {
 

@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/parallel/executor.h"
+#include "core/base/executor.h"
 
 namespace ccdt {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/fourier/fft.h"
+#include "core/base/fft.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <limits>
 #include <new>
 
-#include "core/fourier/line_transforms.h"
+#include "core/base/line_transforms.h"
 
 namespace ccdt {
 namespace {

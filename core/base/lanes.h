@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "core/geometry/pair.h"
+#include "core/base/pair.h"
 
 // Vector code for SSE2, and for AVX2 if the processor supports it. Both give the same bits.
 //

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/parallel/thread_executor.h"
+#include "core/base/thread_executor.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/fourier/line_transforms.h"
+#include "core/base/line_transforms.h"
 
-#include "core/fourier/pocketfft_lines.h"
-#include "core/fourier/wide_line_transforms.h"
-#include "core/geometry/lanes.h"
+#include "core/base/lanes.h"
+#include "core/base/pocketfft_lines.h"
+#include "core/base/wide_line_transforms.h"
 
 namespace ccdt {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/fourier/wide_line_transforms.h"
+#include "core/base/wide_line_transforms.h"
 
 #if defined(__x86_64__) && !defined(__clang__)
 
@@ -25,7 +25,7 @@
 #pragma GCC target("avx2")
 #define __AVX__ 1
 #define pocketfft pocketfft_by_avx2
-#include "core/fourier/pocketfft_lines.h"
+#include "core/base/pocketfft_lines.h"
 #pragma GCC pop_options
 
 namespace ccdt {

@@ -13,7 +13,7 @@
 #include <gemmi/third_party/pocketfft_hdronly.h>
 #undef _LIBCPP_HAS_NO_ALIGNED_ALLOCATION
 
-#include "core/fourier/line_set.h"
+#include "core/base/line_set.h"
 
 namespace ccdt {
 namespace {

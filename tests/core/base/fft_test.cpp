@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/fourier/fft.h"
+#include "core/base/fft.h"
 
 #include <algorithm>
 #include <array>
@@ -11,9 +11,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/parallel/thread_executor.h"
+#include "core/base/thread_executor.h"
 
-#include "core/random.h"
+#include "core/base/random.h"
 
 namespace ccdt {
 namespace {

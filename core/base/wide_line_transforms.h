@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "core/fourier/line_set.h"
+#include "core/base/line_set.h"
 
 namespace ccdt {
 
