@@ -14,7 +14,7 @@
 #include "api/run/options.h"
 #include "core/analysis/analysis.h"
 #include "core/base/result.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 
 namespace ccdt::api {
 

@@ -10,7 +10,7 @@
 #include "api/run/options.h"
 #include "api/surface/surface_header.h"
 #include "core/base/result.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 #include "core/geometry/point3.h"
 
 namespace ccdt::api {

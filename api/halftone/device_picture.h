@@ -17,7 +17,7 @@
 #include "api/run/deadline.h"
 #include "api/run/options.h"
 #include "core/base/result.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 #include "core/halftone/levels.h"
 
 namespace ccdt::api {

@@ -7,7 +7,7 @@
 #include "api/halftone/halftone_request.h"
 #include "api/output/body.h"
 #include "core/base/result.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 
 namespace ccdt::api {
 

@@ -9,7 +9,7 @@
 #include "api/halftone/halftone_request.h"
 #include "api/output/json_writer.h"
 #include "core/base/result.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 #include "core/density/density.h"
 #include "core/halftone/dots.h"
 #include "core/halftone/field_plan.h"

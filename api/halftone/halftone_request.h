@@ -15,7 +15,7 @@
 #include "api/input/run_options.h"
 #include "api/output/formats.h"
 #include "api/run/options.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 #include "core/halftone/levels.h"
 #include "core/halftone/tone.h"
 

@@ -9,7 +9,7 @@
 #include "api/input/option_reader.h"
 #include "api/run/estimate.h"
 #include "core/base/result.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 
 namespace ccdt::api {
 

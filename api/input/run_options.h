@@ -5,7 +5,7 @@
 
 #include "api/input/option_reader.h"
 #include "api/run/deadline.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 
 namespace ccdt::api {
 

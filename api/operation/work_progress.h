@@ -6,7 +6,7 @@
 
 #include "api/decode/decode.h"
 #include "api/run/options.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 
 namespace ccdt::api {
 

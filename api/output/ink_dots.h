@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "api/input/palette.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 #include "core/geometry/point.h"
 
 namespace ccdt::api {

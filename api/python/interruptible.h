@@ -15,7 +15,7 @@
 #include <pybind11/pybind11.h>
 
 #include "core/base/thread_executor.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 
 namespace ccdt::python {
 

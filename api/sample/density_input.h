@@ -12,7 +12,7 @@
 #include "api/run/estimate.h"
 #include "api/run/options.h"
 #include "core/base/result.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 #include "core/density/density.h"
 
 namespace ccdt::api {

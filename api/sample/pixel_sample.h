@@ -14,7 +14,7 @@
 #include "api/sample/density_input.h"
 #include "api/sample/pixel_formats.h"
 #include "core/base/result.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 #include "core/density/density.h"
 #include "core/dither/frame.h"
 

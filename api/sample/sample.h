@@ -8,7 +8,7 @@
 #include "api/sample/sample_area.h"
 #include "api/sample/sample_request.h"
 #include "core/base/result.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 
 namespace ccdt::api {
 

@@ -20,7 +20,7 @@
 #include "api/run/deadline.h"
 #include "api/sample/density_input.h"
 #include "api/sample/threshold_mask.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 
 namespace ccdt::api {
 

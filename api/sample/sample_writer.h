@@ -10,7 +10,7 @@
 #include "api/run/options.h"
 #include "api/sample/sample_request.h"
 #include "core/base/result.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 #include "core/dotmap/dot_map.h"
 #include "core/geometry/domain.h"
 

@@ -13,7 +13,7 @@
 #include "api/sample/surface_formats.h"
 #include "api/surface/surface_header.h"
 #include "core/base/result.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 #include "core/surface/distribute.h"
 
 namespace ccdt::api {

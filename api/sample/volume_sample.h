@@ -15,7 +15,7 @@
 #include "api/sample/voxel_input.h"
 #include "api/surface/surface_header.h"
 #include "core/base/result.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 #include "core/volume/box_domain3.h"
 #include "core/volume/distribute_volume.h"
 

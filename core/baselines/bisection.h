@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "core/ccdt/capacity_integral.h"
+#include "core/ccdt/relax/capacity_integral.h"
 #include "core/density/density.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "core/baselines/periodic_images.h"
-#include "core/ccdt/placement.h"
-#include "core/ccdt/start.h"
+#include "core/ccdt/plane/placement.h"
+#include "core/ccdt/plane/start.h"
 #include "core/mesh/flips.h"
 #include "core/mesh/insertion.h"
 #include "core/mesh/insertion_steps.h"

@@ -6,10 +6,10 @@
 #include <stop_token>
 #include <vector>
 
-#include "core/ccdt/capacity_integral.h"
-#include "core/ccdt/ccdt.h"
-#include "core/ccdt/domain_mesh.h"
-#include "core/ccdt/goals.h"
+#include "core/ccdt/plane/ccdt.h"
+#include "core/ccdt/plane/domain_mesh.h"
+#include "core/ccdt/relax/capacity_integral.h"
+#include "core/ccdt/relax/goals.h"
 #include "core/mesh/triangulation.h"
 
 namespace ccdt {

@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "core/base/random.h"
-#include "core/ccdt/border.h"
-#include "core/ccdt/capacity_integral.h"
-#include "core/ccdt/start.h"
+#include "core/ccdt/plane/start.h"
+#include "core/ccdt/relax/border.h"
+#include "core/ccdt/relax/capacity_integral.h"
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/mesh/inside.h"
 #include "core/mesh/triangulation.h"

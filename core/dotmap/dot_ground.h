@@ -11,7 +11,7 @@
 
 #include "core/base/executor.h"
 #include "core/base/result.h"
-#include "core/ccdt/interior_sampler.h"
+#include "core/ccdt/plane/interior_sampler.h"
 #include "core/density/density.h"
 #include "core/dotmap/feature_area.h"
 #include "core/dotmap/feature_index.h"

@@ -8,11 +8,11 @@
 #include <numeric>
 #include <utility>
 
-#include "core/ccdt/border.h"
-#include "core/ccdt/construction.h"
-#include "core/ccdt/fixed_area.h"
-#include "core/ccdt/fixed_choice.h"
-#include "core/ccdt/goals.h"
+#include "core/ccdt/plane/construction.h"
+#include "core/ccdt/plane/fixed_area.h"
+#include "core/ccdt/plane/fixed_choice.h"
+#include "core/ccdt/relax/border.h"
+#include "core/ccdt/relax/goals.h"
 #include "core/dotmap/dot_error.h"
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/geometry/predicates.h"

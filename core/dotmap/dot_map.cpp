@@ -8,7 +8,7 @@
 #include <memory>
 #include <utility>
 
-#include "core/ccdt/construction.h"
+#include "core/ccdt/plane/construction.h"
 #include "core/dotmap/dot_ground.h"
 #include "core/dotmap/dot_layer.h"
 #include "core/dotmap/feature_area.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 #include "core/density/density.h"
 #include "core/dotmap/dot_map.h"
 #include "core/geometry/domain.h"

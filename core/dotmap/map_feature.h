@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/ccdt/distribution.h"
+#include "core/ccdt/plane/distribution.h"
 #include "core/geometry/domain.h"
 
 namespace ccdt {

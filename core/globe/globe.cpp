@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/ccdt/start.h"
+#include "core/ccdt/plane/start.h"
 #include "core/globe/chart.h"
 #include "core/globe/clearance.h"
 #include "core/globe/inverse_projection.h"

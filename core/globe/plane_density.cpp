@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/ccdt/capacity_integral.h"
+#include "core/ccdt/relax/capacity_integral.h"
 #include "core/globe/chart.h"
 #include "core/globe/turns.h"
 

@@ -14,7 +14,7 @@
 #include "ccdt/sample.h"
 #include "core/base/result.h"
 #include "core/base/thread_executor.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
 

@@ -11,7 +11,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "core/ccdt/construction.h"
+#include "core/ccdt/plane/construction.h"
 #include "core/density/density.h"
 #include "core/halftone/dot_plan.h"
 #include "core/halftone/field_drawing.h"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 #include "core/surface/distribute.h"
 #include "core/volume/distribute_volume.h"
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/ccdt/narrow_rows.h"
+#include "core/ccdt/plane/narrow_rows.h"
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/polish/cell_list.h"
 #include "core/polish/schedule.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/ccdt/distribution.h"
+#include "core/ccdt/plane/distribution.h"
 #include "core/geometry/point3.h"
 #include "core/surface/surface.h"
 #include "core/surface/surface_density.h"

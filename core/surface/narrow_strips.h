@@ -8,15 +8,15 @@
 #include <vector>
 
 #include "core/base/executor.h"
-#include "core/ccdt/narrow_rows.h"
+#include "core/ccdt/plane/narrow_rows.h"
 #include "core/surface/surface.h"
 #include "core/surface/surface_density.h"
 
 namespace ccdt {
 
 /// Finds the places where a surface is narrower than the spacing of sites, as on roads and ribbons, and evens out the
-/// sites there. Does on a surface what even_out_narrow_places() (core/ccdt/narrow_places.h) does in the plane; creases
-/// count as borders.
+/// sites there. Does on a surface what even_out_narrow_places() (core/ccdt/plane/narrow_places.h) does in the plane;
+/// creases count as borders.
 class NarrowStrips {
 public:
     /// @param surface   must outlive this object

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "core/ccdt/triangle_aims.h"
+#include "core/ccdt/relax/triangle_aims.h"
 #include "core/geometry/point.h"
 #include "core/surface/site_order.h"
 

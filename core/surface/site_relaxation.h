@@ -6,16 +6,16 @@
 #include <stop_token>
 #include <vector>
 
-#include "core/ccdt/triangle_goals.h"
+#include "core/ccdt/relax/triangle_goals.h"
 #include "core/surface/surface_density.h"
 #include "core/surface/surface_triangulation.h"
 
 namespace ccdt {
 
 /// Moves sites, one at a time, to where the capacities of the triangles around them come closest to their targets. This
-/// is the coordinate descent of Relaxation (core/ccdt/relaxation.h) with the goals of goals.h, in the tangent plane of
-/// each site: the plane perpendicular to the mean normal of the triangles around it. Neighbours are rotated into this
-/// plane, so that their distances from the site are kept. Then the site follows the surface.
+/// is the coordinate descent of Relaxation (core/ccdt/relax/relaxation.h) with the goals of goals.h, in the tangent
+/// plane of each site: the plane perpendicular to the mean normal of the triangles around it. Neighbours are rotated
+/// into this plane, so that their distances from the site are kept. Then the site follows the surface.
 ///
 /// Source: Xu, Hu, Gotsman, Liu 2012, "Blue noise sampling of surfaces", section 3. Departures: targets, springs and
 /// over-relaxation, as in the plane; moves along the surface instead of projection to the nearest point.
@@ -26,7 +26,7 @@ public:
     SiteRelaxation(SurfaceTriangulation& mesh, const SurfaceDensity& density, double capacity);
 
     /// Sets the goals of all triangles. Returns the capacity variation of the current mesh. O(triangles).
-    /// @param in_row  as for set_goals() (core/ccdt/goals.h)
+    /// @param in_row  as for set_goals() (core/ccdt/relax/goals.h)
     double variation(std::span<const std::uint8_t> in_row = {});
 
     /// Moves every free site `passes` times. The goals must have been set since edges last changed. Sites are moved in

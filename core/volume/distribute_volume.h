@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/base/result.h"
-#include "core/ccdt/distribution.h"
+#include "core/ccdt/plane/distribution.h"
 #include "core/volume/box_domain3.h"
 #include "core/volume/volume_construction.h"
 #include "core/volume/voxel_density.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/ccdt/distribution.h"
+#include "core/ccdt/plane/distribution.h"
 #include "core/geometry/point3.h"
 #include "core/volume/tetrahedron_mesh.h"
 #include "core/volume/voxel_density.h"

@@ -8,7 +8,7 @@
 
 #include "api/run/options.h"
 #include "core/base/result.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 #include "server/processes/unique_fd.h"
 #include "server/work/computation.h"
 

@@ -15,7 +15,7 @@
 
 #include "api/run/options.h"
 #include "core/base/result.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 #include "server/processes/shared_number.h"
 #include "server/processes/supervised_program.h"
 #include "server/processes/unique_fd.h"

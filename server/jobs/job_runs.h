@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 #include "server/jobs/job.h"
 #include "server/jobs/job_store.h"
 #include "server/work/worker_pool.h"

@@ -8,7 +8,7 @@
 #include "api/output/body.h"
 #include "api/run/options.h"
 #include "core/base/result.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 #include "server/work/compute_request.h"
 
 namespace ccdt::server {

@@ -9,7 +9,7 @@
 #include "api/image/image_codec.h"
 #include "api/image/overlay.h"
 #include "api/image/png_writer.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 #include "core/halftone/dots.h"
 #include "core/halftone/tone.h"
 #include "tests/bench/photograph.h"

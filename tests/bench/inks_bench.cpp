@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "api/image/image_codec.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 #include "core/halftone/separation.h"
 #include "tests/bench/photograph.h"
 #include "tests/bench/stages.h"

@@ -3,12 +3,12 @@
 
 #include <algorithm>
 
-#include "core/ccdt/border.h"
-#include "core/ccdt/capacity_integral.h"
-#include "core/ccdt/goals.h"
-#include "core/ccdt/placement.h"
-#include "core/ccdt/relaxation.h"
-#include "core/ccdt/start.h"
+#include "core/ccdt/plane/placement.h"
+#include "core/ccdt/plane/start.h"
+#include "core/ccdt/relax/border.h"
+#include "core/ccdt/relax/capacity_integral.h"
+#include "core/ccdt/relax/goals.h"
+#include "core/ccdt/relax/relaxation.h"
 #include "core/mesh/flips.h"
 #include "core/mesh/inside.h"
 #include "core/mesh/triangulation.h"

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <vector>
 
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 #include "core/density/density.h"
 #include "core/geometry/domain.h"
 

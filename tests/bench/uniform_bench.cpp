@@ -4,7 +4,7 @@
 #include <benchmark/benchmark.h>
 
 #include "core/base/thread_executor.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 #include "tests/bench/stages.h"
 #include "tests/bench/yardstick.h"
 

@@ -4,8 +4,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/ccdt/placement.h"
-#include "core/ccdt/start.h"
+#include "core/ccdt/plane/placement.h"
+#include "core/ccdt/plane/start.h"
 #include "core/geometry/delaunay.h"
 #include "core/mesh/inside.h"
 

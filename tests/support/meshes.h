@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "core/base/random.h"
-#include "core/ccdt/border.h"
-#include "core/ccdt/capacity_integral.h"
-#include "core/ccdt/ccdt.h"
-#include "core/ccdt/goals.h"
+#include "core/ccdt/plane/ccdt.h"
+#include "core/ccdt/relax/border.h"
+#include "core/ccdt/relax/capacity_integral.h"
+#include "core/ccdt/relax/goals.h"
 #include "core/density/density.h"
 #include "core/geometry/domain.h"
 #include "core/mesh/triangulation.h"

@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 #include "tests/support/shapes.h"
 
 namespace ccdt {

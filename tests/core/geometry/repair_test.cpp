@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/random.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 #include "core/density/density.h"
 #include "core/geometry/domain.h"
 #include "tests/support/shapes.h"

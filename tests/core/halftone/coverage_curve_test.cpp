@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 #include "core/halftone/dots.h"
 
 namespace ccdt {

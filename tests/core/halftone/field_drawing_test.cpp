@@ -13,7 +13,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 #include "core/halftone/blur.h"
 #include "core/halftone/tone.h"
 

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 #include "core/halftone/dots.h"
 #include "core/halftone/separation.h"
 #include "tests/support/inks.h"

@@ -11,7 +11,7 @@
 
 #include "core/base/random.h"
 #include "core/base/thread_executor.h"
-#include "core/ccdt/start.h"
+#include "core/ccdt/plane/start.h"
 #include "core/mesh/flips.h"
 #include "core/mesh/insertion.h"
 #include "core/mesh/inside.h"

@@ -15,7 +15,7 @@
 #include "core/analysis/analysis.h"
 #include "core/base/random.h"
 #include "core/base/thread_executor.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/globe/chart.h"
 #include "core/order/reorder.h"

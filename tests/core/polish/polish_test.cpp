@@ -9,8 +9,8 @@
 
 #include "core/analysis/analysis.h"
 #include "core/base/random.h"
-#include "core/ccdt/capacity_integral.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
+#include "core/ccdt/relax/capacity_integral.h"
 #include "core/mesh/flips.h"
 #include "tests/support/evenness.h"
 #include "tests/support/meshes.h"

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/random.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 
 namespace ccdt {
 namespace {

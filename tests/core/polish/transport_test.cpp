@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/random.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/plane/ccdt.h"
 #include "tests/support/meshes.h"
 
 namespace ccdt {
