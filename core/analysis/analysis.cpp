@@ -13,8 +13,8 @@
 #include <tuple>
 #include <utility>
 
-#include "core/analysis/nonuniform_transform.h"
 #include "core/analysis/spacing.h"
+#include "core/ccdt/polish/nonuniform_transform.h"
 #include "core/geometry/axes.h"
 #include "core/geometry/hexagonal_spacing.h"
 

@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
+#include "core/ccdt/polish/error_grid.h"
 #include "core/dotmap/dot_ground.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
-#include "core/polish/error_grid.h"
 
 namespace ccdt {
 

@@ -11,6 +11,7 @@
 #include "core/ccdt/plane/construction.h"
 #include "core/ccdt/plane/fixed_area.h"
 #include "core/ccdt/plane/fixed_choice.h"
+#include "core/ccdt/polish/push.h"
 #include "core/ccdt/relax/border.h"
 #include "core/ccdt/relax/goals.h"
 #include "core/dotmap/dot_error.h"
@@ -20,7 +21,6 @@
 #include "core/mesh/insertion.h"
 #include "core/mesh/insertion_steps.h"
 #include "core/mesh/inside.h"
-#include "core/polish/push.h"
 
 namespace ccdt {
 

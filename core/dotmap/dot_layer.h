@@ -12,15 +12,15 @@
 #include "core/base/result.h"
 #include "core/ccdt/plane/ccdt.h"
 #include "core/ccdt/plane/domain_mesh.h"
+#include "core/ccdt/polish/cell_list.h"
+#include "core/ccdt/polish/fixed_sites.h"
+#include "core/ccdt/polish/mesh_transport.h"
+#include "core/ccdt/polish/settings.h"
 #include "core/ccdt/relax/border.h"
 #include "core/ccdt/relax/relaxation.h"
 #include "core/dotmap/dot_ground.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
-#include "core/polish/cell_list.h"
-#include "core/polish/fixed_sites.h"
-#include "core/polish/mesh_transport.h"
-#include "core/polish/settings.h"
 
 namespace ccdt {
 

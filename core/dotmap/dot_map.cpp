@@ -9,12 +9,12 @@
 #include <utility>
 
 #include "core/ccdt/plane/construction.h"
+#include "core/ccdt/polish/ink_push.h"
+#include "core/ccdt/polish/settings.h"
 #include "core/dotmap/dot_ground.h"
 #include "core/dotmap/dot_layer.h"
 #include "core/dotmap/feature_area.h"
 #include "core/dotmap/feature_index.h"
-#include "core/polish/ink_push.h"
-#include "core/polish/settings.h"
 
 namespace ccdt {
 

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "core/base/executor.h"
+#include "core/ccdt/polish/settings.h"
 #include "core/halftone/overprint.h"
 #include "core/halftone/reduction.h"
-#include "core/polish/settings.h"
 
 namespace ccdt {
 

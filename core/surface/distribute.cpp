@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "core/ccdt/plane/narrow_rows.h"
+#include "core/ccdt/polish/cell_list.h"
+#include "core/ccdt/polish/schedule.h"
+#include "core/ccdt/polish/settings.h"
 #include "core/geometry/hexagonal_spacing.h"
-#include "core/polish/cell_list.h"
-#include "core/polish/schedule.h"
-#include "core/polish/settings.h"
 #include "core/surface/crease_vertices.h"
 #include "core/surface/initial_sites.h"
 #include "core/surface/narrow_strips.h"

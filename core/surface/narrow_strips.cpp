@@ -8,7 +8,7 @@
 #include <limits>
 #include <utility>
 
-#include "core/polish/cell_list.h"
+#include "core/ccdt/polish/cell_list.h"
 #include "core/surface/crease_vertices.h"
 #include "core/surface/face_tree.h"
 #include "core/surface/surface_triangulation.h"

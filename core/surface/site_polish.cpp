@@ -9,9 +9,9 @@
 #include <span>
 #include <utility>
 
+#include "core/ccdt/polish/cell_list.h"
+#include "core/ccdt/polish/site_graph.h"
 #include "core/geometry/hexagonal_spacing.h"
-#include "core/polish/cell_list.h"
-#include "core/polish/site_graph.h"
 #include "core/surface/site_order.h"
 
 namespace ccdt {

@@ -7,10 +7,10 @@
 #include <stop_token>
 #include <vector>
 
-#include "core/polish/cell_list.h"
-#include "core/polish/excess_flow.h"
-#include "core/polish/first_row.h"
-#include "core/polish/schedule.h"
+#include "core/ccdt/polish/cell_list.h"
+#include "core/ccdt/polish/excess_flow.h"
+#include "core/ccdt/polish/first_row.h"
+#include "core/ccdt/polish/schedule.h"
 #include "core/surface/site_masses.h"
 #include "core/surface/site_relaxation.h"
 #include "core/surface/surface_density.h"

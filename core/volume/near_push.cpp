@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/base/random.h"
-#include "core/polish/cell_list.h"
-#include "core/polish/push.h"
+#include "core/ccdt/polish/cell_list.h"
+#include "core/ccdt/polish/push.h"
 #include "core/volume/box_domain3.h"
 #include "core/volume/solid_domain.h"
 

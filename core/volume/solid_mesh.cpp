@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/polish/cell_list.h"
+#include "core/ccdt/polish/cell_list.h"
 #include "core/surface/crease_vertices.h"
 #include "core/volume/tetrahedron_quality.h"
 

@@ -11,7 +11,7 @@
 #include <set>
 #include <vector>
 
-#include "core/polish/cell_list.h"
+#include "core/ccdt/polish/cell_list.h"
 #include "core/volume/tetrahedron_quality.h"
 #include "core/volume/voxel_density.h"
 

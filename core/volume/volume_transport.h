@@ -4,8 +4,8 @@
 #include <cstddef>
 
 #include "core/base/executor.h"
+#include "core/ccdt/polish/octave_transport.h"
 #include "core/geometry/point3.h"
-#include "core/polish/octave_transport.h"
 #include "core/volume/box_domain3.h"
 #include "core/volume/volume_spacing.h"
 #include "core/volume/voxel_density.h"

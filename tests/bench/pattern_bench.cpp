@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "core/analysis/analysis.h"
-#include "core/analysis/nonuniform_transform.h"
 #include "core/base/thread_executor.h"
 #include "core/baselines/odt.h"
 #include "core/ccdt/plane/ccdt.h"
+#include "core/ccdt/polish/nonuniform_transform.h"
 #include "core/dither/pixel_choice.h"
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/order/progressive_order.h"

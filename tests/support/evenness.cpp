@@ -6,9 +6,9 @@
 #include <limits>
 #include <numbers>
 
+#include "core/ccdt/polish/cell_list.h"
 #include "core/density/coverage.h"
 #include "core/geometry/hexagonal_spacing.h"
-#include "core/polish/cell_list.h"
 
 namespace ccdt::test {
 

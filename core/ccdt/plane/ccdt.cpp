@@ -9,9 +9,9 @@
 
 #include "core/base/random.h"
 #include "core/ccdt/plane/construction.h"
-#include "core/polish/polish.h"
-#include "core/polish/settings.h"
-#include "core/polish/stealth.h"
+#include "core/ccdt/polish/polish.h"
+#include "core/ccdt/polish/settings.h"
+#include "core/ccdt/polish/stealth.h"
 
 namespace ccdt {
 

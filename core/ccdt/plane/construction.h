@@ -10,12 +10,12 @@
 #include "core/ccdt/plane/distribution.h"
 #include "core/ccdt/plane/domain_mesh.h"
 #include "core/ccdt/plane/start.h"
+#include "core/ccdt/polish/fixed_sites.h"
+#include "core/ccdt/polish/mesh_polish.h"
+#include "core/ccdt/polish/support.h"
 #include "core/ccdt/relax/capacity_integral.h"
 #include "core/ccdt/relax/goals.h"
 #include "core/ccdt/relax/relaxation.h"
-#include "core/polish/fixed_sites.h"
-#include "core/polish/mesh_polish.h"
-#include "core/polish/support.h"
 
 namespace ccdt {
 

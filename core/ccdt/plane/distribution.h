@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "core/base/executor.h"
+#include "core/ccdt/polish/settings.h"
 #include "core/geometry/point.h"
-#include "core/polish/settings.h"
 
 namespace ccdt {
 

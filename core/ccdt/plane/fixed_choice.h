@@ -3,10 +3,10 @@
 
 #include <span>
 
+#include "core/ccdt/polish/fixed_sites.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
 #include "core/mesh/triangulation.h"
-#include "core/polish/fixed_sites.h"
 
 namespace ccdt {
 

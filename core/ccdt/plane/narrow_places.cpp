@@ -7,7 +7,7 @@
 
 #include "core/ccdt/plane/domain_mesh.h"
 #include "core/ccdt/plane/narrow_rows.h"
-#include "core/polish/cell_list.h"
+#include "core/ccdt/polish/cell_list.h"
 
 namespace ccdt {
 

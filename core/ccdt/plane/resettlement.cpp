@@ -261,7 +261,7 @@ Resettlement::Place Resettlement::farthest_place(std::uint32_t site) {
 
 /// Returns the square of the least distance that two sites should have at the density near `site`.
 double Resettlement::enough_squared(std::uint32_t site) const {
-    constexpr double kEnough = 0.84;  // of the hexagonal distance, as in the last near pushes: polish/settings.cpp
+    constexpr double kEnough = 0.84;  // of the hexagonal distance, as in the last near pushes: ccdt/polish/settings.cpp
     const double least = kEnough * hexagonal_spacing(goals_.of(Triangulation::triangle_of(mesh_.edge_of(site))).weight);
     return least * least;
 }

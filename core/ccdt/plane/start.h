@@ -7,10 +7,10 @@
 
 #include "core/ccdt/plane/distribution.h"
 #include "core/ccdt/plane/fixed_area.h"
+#include "core/ccdt/polish/support.h"
 #include "core/density/density.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
-#include "core/polish/support.h"
 
 namespace ccdt {
 

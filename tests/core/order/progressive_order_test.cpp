@@ -16,10 +16,10 @@
 #include "core/base/random.h"
 #include "core/base/thread_executor.h"
 #include "core/ccdt/plane/ccdt.h"
+#include "core/ccdt/polish/cell_list.h"
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/globe/chart.h"
 #include "core/order/reorder.h"
-#include "core/polish/cell_list.h"
 #include "core/volume/distribute_volume.h"
 #include "tests/support/evenness.h"
 
