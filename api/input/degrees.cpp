@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "api/text/numbers.h"
-#include "core/globe/turns.h"
+#include "core/ccdt/globe/turns.h"
 
 namespace ccdt::api {
 namespace {

@@ -3,8 +3,8 @@
 
 #include "api/input/option_reader.h"
 #include "core/base/result.h"
+#include "core/ccdt/volume/box_domain3.h"
 #include "core/geometry/domain.h"
-#include "core/volume/box_domain3.h"
 
 namespace ccdt::api {
 

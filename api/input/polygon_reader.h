@@ -68,8 +68,8 @@ struct PolygonInput {
     bool is_geojson() const { return sources.front().nesting != Nesting::Members; }
 
     /// Converts the field of an error or a repair of Domain to a JSON Pointer in the request. unrolled() in
-    /// core/globe/region.h can add vertices that are not in the request. For such a vertex, the result points to its
-    /// ring.
+    /// core/ccdt/globe/region.h can add vertices that are not in the request. For such a vertex, the result points to
+    /// its ring.
     std::string pointer_to(std::string_view field) const;
 };
 

@@ -4,7 +4,7 @@
 #include <pybind11/pybind11.h>
 
 #include "core/base/result.h"
-#include "core/surface/triangle_soup.h"
+#include "core/ccdt/surface/triangle_soup.h"
 
 namespace ccdt::python {
 

@@ -11,12 +11,12 @@
 #include <utility>
 #include <vector>
 
+#include "core/ccdt/globe/region.h"
+#include "core/ccdt/globe/turns.h"
 #include "core/geometry/difference.h"
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/geometry/inset.h"
 #include "core/geometry/pixel_outline.h"
-#include "core/globe/region.h"
-#include "core/globe/turns.h"
 #include "core/halftone/tone.h"
 
 namespace ccdt::api {

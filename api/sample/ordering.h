@@ -8,7 +8,7 @@
 
 #include "api/sample/sample_request.h"
 #include "core/base/result.h"
-#include "core/dotmap/dot_map.h"
+#include "core/ccdt/maps/dot_map.h"
 #include "core/geometry/domain.h"
 #include "core/order/reorder.h"
 

@@ -10,10 +10,10 @@
 
 #include "api/run/deadline.h"
 #include "api/sample/ordering.h"
-#include "core/dotmap/globe_dots.h"
-#include "core/dotmap/locate.h"
-#include "core/globe/globe.h"
-#include "core/globe/turns.h"
+#include "core/ccdt/globe/globe.h"
+#include "core/ccdt/globe/turns.h"
+#include "core/ccdt/maps/globe_dots.h"
+#include "core/ccdt/maps/locate.h"
 #include "core/order/reorder.h"
 
 namespace ccdt::api {

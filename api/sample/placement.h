@@ -8,9 +8,9 @@
 #include "api/sample/sample_area.h"
 #include "api/sample/sample_request.h"
 #include "core/base/result.h"
+#include "core/ccdt/maps/dot_map.h"
 #include "core/ccdt/plane/ccdt.h"
 #include "core/density/density.h"
-#include "core/dotmap/dot_map.h"
 
 namespace ccdt::api {
 

@@ -17,8 +17,8 @@
 #include "api/output/records.h"
 #include "api/run/estimate.h"
 #include "core/base/result.h"
+#include "core/ccdt/surface/surface_note.h"
 #include "core/geometry/point3.h"
-#include "core/surface/surface_note.h"
 
 namespace ccdt::api {
 

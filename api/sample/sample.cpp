@@ -16,7 +16,7 @@
 #include "api/sample/placement.h"
 #include "api/sample/sample_area.h"
 #include "api/sample/sample_writer.h"
-#include "core/globe/turns.h"
+#include "core/ccdt/globe/turns.h"
 
 namespace ccdt::api {
 namespace {

@@ -11,8 +11,8 @@
 #include "api/input/option_reader.h"
 #include "api/run/deadline.h"
 #include "api/sample/exclusions.h"
-#include "core/dotmap/confine.h"
-#include "core/globe/region.h"
+#include "core/ccdt/globe/region.h"
+#include "core/ccdt/maps/confine.h"
 
 namespace ccdt::api {
 namespace {

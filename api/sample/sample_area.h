@@ -12,7 +12,7 @@
 #include "api/run/options.h"
 #include "api/sample/sample_request.h"
 #include "core/base/result.h"
-#include "core/dotmap/dot_map.h"
+#include "core/ccdt/maps/dot_map.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/faults.h"
 #include "core/geometry/polygon.h"

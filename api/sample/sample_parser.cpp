@@ -15,8 +15,8 @@
 #include "api/input/run_options.h"
 #include "api/input/topology_reader.h"
 #include "api/output/formats.h"
+#include "core/ccdt/maps/middle.h"
 #include "core/ccdt/polish/stealth.h"
-#include "core/dotmap/middle.h"
 
 namespace ccdt::api {
 namespace {

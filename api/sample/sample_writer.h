@@ -10,8 +10,8 @@
 #include "api/run/options.h"
 #include "api/sample/sample_request.h"
 #include "core/base/result.h"
+#include "core/ccdt/maps/dot_map.h"
 #include "core/ccdt/plane/ccdt.h"
-#include "core/dotmap/dot_map.h"
 #include "core/geometry/domain.h"
 
 namespace ccdt::api {

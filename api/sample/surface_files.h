@@ -10,10 +10,10 @@
 #include "api/output/body.h"
 #include "api/sample/point_format3.h"
 #include "core/base/result.h"
+#include "core/ccdt/surface/distribute.h"
+#include "core/ccdt/surface/surface.h"
+#include "core/ccdt/surface/triangle_soup.h"
 #include "core/geometry/point3.h"
-#include "core/surface/distribute.h"
-#include "core/surface/surface.h"
-#include "core/surface/triangle_soup.h"
 
 namespace ccdt::api {
 

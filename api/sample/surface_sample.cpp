@@ -21,8 +21,8 @@
 #include "api/surface/obj.h"
 #include "api/text/numbers.h"
 #include "api/text/text.h"
+#include "core/ccdt/surface/surface_density.h"
 #include "core/order/progressive_order.h"
-#include "core/surface/surface_density.h"
 
 namespace ccdt::api {
 namespace {

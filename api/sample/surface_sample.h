@@ -14,7 +14,7 @@
 #include "api/surface/surface_header.h"
 #include "core/base/result.h"
 #include "core/ccdt/plane/ccdt.h"
-#include "core/surface/distribute.h"
+#include "core/ccdt/surface/distribute.h"
 
 namespace ccdt::api {
 

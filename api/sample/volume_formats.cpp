@@ -12,7 +12,7 @@
 #include "api/input/run_options.h"
 #include "api/output/json_pieces.h"
 #include "api/output/records.h"
-#include "core/volume/unwrapped_mesh.h"
+#include "core/ccdt/volume/unwrapped_mesh.h"
 
 namespace ccdt::api {
 namespace {

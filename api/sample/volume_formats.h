@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "api/sample/point_format3.h"
-#include "core/surface/surface_note.h"
-#include "core/volume/box_domain3.h"
-#include "core/volume/distribute_volume.h"
+#include "core/ccdt/surface/surface_note.h"
+#include "core/ccdt/volume/box_domain3.h"
+#include "core/ccdt/volume/distribute_volume.h"
 
 namespace ccdt::api {
 

@@ -16,9 +16,9 @@
 #include "api/run/stopwatch.h"
 #include "api/sample/ordering.h"
 #include "api/text/text.h"
+#include "core/ccdt/volume/distribute_solid.h"
+#include "core/ccdt/volume/solid.h"
 #include "core/order/progressive_order.h"
-#include "core/volume/distribute_solid.h"
-#include "core/volume/solid.h"
 
 namespace ccdt::api {
 namespace {

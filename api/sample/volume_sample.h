@@ -16,8 +16,8 @@
 #include "api/surface/surface_header.h"
 #include "core/base/result.h"
 #include "core/ccdt/plane/ccdt.h"
-#include "core/volume/box_domain3.h"
-#include "core/volume/distribute_volume.h"
+#include "core/ccdt/volume/box_domain3.h"
+#include "core/ccdt/volume/distribute_volume.h"
 
 namespace ccdt::api {
 

@@ -15,7 +15,7 @@
 #include "api/run/options.h"
 #include "api/sample/density_input.h"
 #include "core/base/result.h"
-#include "core/volume/voxel_density.h"
+#include "core/ccdt/volume/voxel_density.h"
 
 namespace ccdt::api {
 

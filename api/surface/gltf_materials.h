@@ -14,8 +14,8 @@
 #include "api/surface/gltf_document.h"
 #include "api/surface/surface_format.h"
 #include "core/base/result.h"
+#include "core/ccdt/surface/triangle_soup.h"
 #include "core/halftone/picture.h"
-#include "core/surface/triangle_soup.h"
 
 namespace ccdt::api {
 

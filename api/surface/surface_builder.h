@@ -12,8 +12,8 @@
 
 #include "api/surface/surface_format.h"
 #include "core/base/result.h"
+#include "core/ccdt/surface/triangle_soup.h"
 #include "core/geometry/point3.h"
-#include "core/surface/triangle_soup.h"
 
 namespace ccdt::api {
 

@@ -10,7 +10,7 @@
 #include "api/surface/surface_builder.h"
 #include "api/surface/words.h"
 #include "api/text/byte_order_mark.h"
-#include "core/surface/triangle_soup.h"
+#include "core/ccdt/surface/triangle_soup.h"
 
 namespace ccdt::api {
 namespace {

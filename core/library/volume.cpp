@@ -6,12 +6,12 @@
 #include <string>
 #include <utility>
 
+#include "core/ccdt/volume/distribute_solid.h"
+#include "core/ccdt/volume/distribute_volume.h"
+#include "core/ccdt/volume/solid.h"
 #include "core/library/conversion.h"
 #include "core/order/progressive_order.h"
 #include "core/order/reorder.h"
-#include "core/volume/distribute_solid.h"
-#include "core/volume/distribute_volume.h"
-#include "core/volume/solid.h"
 
 namespace ccdt::v2 {
 namespace {

@@ -15,12 +15,12 @@
 #include <utility>
 
 #include "core/base/lanes.h"
+#include "core/ccdt/globe/chart.h"
 #include "core/ccdt/polish/cell_list.h"
 #include "core/geometry/axes.h"
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/geometry/point3.h"
 #include "core/geometry/spreading.h"
-#include "core/globe/chart.h"
 
 namespace ccdt {
 

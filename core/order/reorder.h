@@ -5,8 +5,8 @@
 #include <span>
 
 #include "core/ccdt/plane/ccdt.h"
-#include "core/surface/distribute.h"
-#include "core/volume/distribute_volume.h"
+#include "core/ccdt/surface/distribute.h"
+#include "core/ccdt/volume/distribute_volume.h"
 
 namespace ccdt {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/surface/surface.h"
+#include "core/ccdt/surface/surface.h"
 
 namespace ccdt {
 

@@ -11,7 +11,7 @@
 
 #include "core/base/random.h"
 #include "core/base/thread_executor.h"
-#include "core/surface/distribute.h"
+#include "core/ccdt/surface/distribute.h"
 #include "core/surface/surface_analysis.h"
 #include "tests/bench/stages.h"
 #include "tests/bench/yardstick.h"

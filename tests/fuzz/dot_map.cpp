@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/dotmap/dot_map.h"
+#include "core/ccdt/maps/dot_map.h"
 #include "tests/fuzz/checks.h"
 #include "tests/fuzz/part_reader.h"
 #include "tests/support/shapes.h"

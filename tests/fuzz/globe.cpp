@@ -2,9 +2,9 @@
 #include <array>
 #include <cmath>
 
-#include "core/globe/globe.h"
-#include "core/globe/inside.h"
-#include "core/globe/region.h"
+#include "core/ccdt/globe/globe.h"
+#include "core/ccdt/globe/inside.h"
+#include "core/ccdt/globe/region.h"
 #include "tests/fuzz/checks.h"
 #include "tests/fuzz/part_reader.h"
 #include "tests/fuzz/shape_checks.h"

@@ -5,8 +5,8 @@
 
 #include "core/base/result.h"
 #include "core/ccdt/plane/ccdt.h"
+#include "core/ccdt/surface/triangle_soup.h"
 #include "core/geometry/domain.h"
-#include "core/surface/triangle_soup.h"
 
 namespace ccdt::fuzz {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/surface/surface.h"
+#include "core/ccdt/surface/surface.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "core/surface/surface_density.h"
-#include "core/surface/surface_repair.h"
+#include "core/ccdt/surface/surface_density.h"
+#include "core/ccdt/surface/surface_repair.h"
 #include "tests/fuzz/checks.h"
 #include "tests/support/surfaces.h"
 

@@ -13,10 +13,10 @@
 #include <utility>
 #include <vector>
 
-#include "core/surface/surface.h"
-#include "core/volume/solid.h"
-#include "core/volume/tetrahedron_mesh.h"
-#include "core/volume/volume_construction.h"
+#include "core/ccdt/surface/surface.h"
+#include "core/ccdt/volume/solid.h"
+#include "core/ccdt/volume/tetrahedron_mesh.h"
+#include "core/ccdt/volume/volume_construction.h"
 #include "tests/support/surfaces.h"
 
 namespace ccdt::test {

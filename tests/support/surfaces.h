@@ -4,8 +4,8 @@
 #include <functional>
 #include <string>
 
-#include "core/surface/surface.h"
-#include "core/surface/triangle_soup.h"
+#include "core/ccdt/surface/surface.h"
+#include "core/ccdt/surface/triangle_soup.h"
 
 namespace ccdt::test {
 

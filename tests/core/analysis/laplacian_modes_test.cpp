@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/surface/surface.h"
+#include "core/ccdt/surface/surface.h"
 #include "tests/support/surfaces.h"
 
 namespace ccdt {

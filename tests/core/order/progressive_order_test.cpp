@@ -15,12 +15,12 @@
 #include "core/analysis/analysis.h"
 #include "core/base/random.h"
 #include "core/base/thread_executor.h"
+#include "core/ccdt/globe/chart.h"
 #include "core/ccdt/plane/ccdt.h"
 #include "core/ccdt/polish/cell_list.h"
+#include "core/ccdt/volume/distribute_volume.h"
 #include "core/geometry/hexagonal_spacing.h"
-#include "core/globe/chart.h"
 #include "core/order/reorder.h"
-#include "core/volume/distribute_volume.h"
 #include "tests/support/evenness.h"
 
 namespace ccdt {

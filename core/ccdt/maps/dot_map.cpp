@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/ccdt/maps/dot_map.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <utility>
+
+#include "core/ccdt/maps/dot_ground.h"
+#include "core/ccdt/maps/dot_layer.h"
+#include "core/ccdt/maps/feature_area.h"
+#include "core/ccdt/maps/feature_index.h"
+#include "core/ccdt/plane/construction.h"
+#include "core/ccdt/polish/ink_push.h"
+#include "core/ccdt/polish/settings.h"
+
+namespace ccdt {
+
+namespace {
+
+/// Returns the union of all features that have dots.
+/// @param number  number of the class; none: features with dots of any class
+Result<Domain> land_of(std::span<const MapFeature> features, std::optional<std::size_t> number,
+                       const std::stop_token& stop) {
+    std::vector<const Domain*> areas;
+    for (const MapFeature& feature : features) {
+        const bool has_dots = number ? feature.dots[*number] > 0
+                                     : std::ranges::any_of(feature.dots, [](std::size_t dots) { return dots > 0; });
+        if (has_dots) areas.push_back(&feature.area);
+    }
+    return Domain::united(areas, stop);
+}
+
+/// Runs each iteration for all classes in turn, and polishes all classes together.
+class DotMap {
+public:
+    DotMap(std::span<const MapFeature> features, const Box& box, const Density& density, const Options& options,
+           const Control& control)
+        : features_(features),
+          areas_(areas_of(features, *control.executor)),
+          index_(areas_),
+          map_{features, areas_, index_, box, density, options.fixed},
+          options_(options),
+          control_(control) {}
+
+    Result<std::vector<ClassDots>> execute();
+
+private:
+    static std::vector<FeatureArea> areas_of(std::span<const MapFeature> features, Executor& executor);
+    bool stopping() const { return control_.stop.stop_requested(); }
+    Result<void> make_layers();
+    PolishSettings settings() const;
+    Result<void> start();
+    void iterate();
+    void polish();
+    template <class Step>
+    void repeat(int rounds, Step&& step);
+    template <class Step, class... Arguments>
+    void for_each(Step step, Arguments... arguments);
+    bool is_any_nearer(double least) const;
+    void push_apart(double reach, double push, double class_reach, double class_push);
+    std::vector<Point> pushes(double reach, double push);
+    void report();
+    std::vector<ClassDots> collect();
+
+    std::span<const MapFeature> features_;
+    std::vector<FeatureArea> areas_;
+    FeatureIndex index_;
+    DotGround::Map map_;
+    const Options& options_;
+    const Control& control_;
+    std::optional<Domain> land_;  ///< union of the features of all classes; none if only one class has dots
+    std::vector<std::unique_ptr<DotGround>> grounds_;  ///< [classes] null for classes without dots
+    std::vector<std::unique_ptr<DotLayer>> layers_;    ///< [classes] null for classes without dots
+    std::vector<DotLayer*> used_;                      ///< the layers of classes with dots
+    std::optional<PolishSettings> settings_;           ///< none if there is no polish
+    int round_ = 0;
+};
+
+std::vector<FeatureArea> DotMap::areas_of(std::span<const MapFeature> features, Executor& executor) {
+    std::vector<FeatureArea> areas(features.size());
+    executor.run(areas.size(), [&](std::size_t i) { areas[i] = FeatureArea(features[i].area); });
+    return areas;
+}
+
+Result<std::vector<ClassDots>> DotMap::execute() {
+    if (auto made = make_layers(); !made) return tl::unexpected(made.error());
+    if (auto started = start(); !started) return tl::unexpected(started.error());
+    iterate();
+    polish();
+    return collect();
+}
+
+Result<void> DotMap::make_layers() {
+    for (std::size_t number = 0; number < features_.front().dots.size(); ++number) {
+        auto ground = DotGround::create(map_, number, *control_.executor, control_.stop);
+        if (!ground) return tl::unexpected(ground.error());
+        grounds_.emplace_back();
+        layers_.emplace_back();
+        if (ground->dots() == 0) continue;
+        grounds_.back() = std::make_unique<DotGround>(*std::move(ground));
+        auto land = land_of(features_, number, control_.stop);
+        if (!land) return tl::unexpected(land.error());
+        layers_.back() = std::make_unique<DotLayer>(*grounds_.back(), *std::move(land), options_, control_);
+        used_.push_back(layers_.back().get());
+    }
+    if (has_polish(options_)) settings_ = settings();
+    if (used_.size() < 2) return {};
+    auto land = land_of(features_, std::nullopt, control_.stop);
+    if (!land) return tl::unexpected(land.error());
+    land_ = *std::move(land);
+    return {};
+}
+
+PolishSettings DotMap::settings() const {
+    // With fixed points, the polish is the same as for sites in a box: no relaxation follows the pushes.
+    const bool is_pushed_alone = !options_.fixed.empty();
+    const bool is_smooth = map_.density.is_smooth();
+    if (used_.size() == 1 && is_smooth && !is_pushed_alone) return map_settings(options_.quality);
+    PolishSettings settings = polish_settings(options_.quality, used_.size(), is_smooth, is_pushed_alone);
+    settings.retouch_rounds = 0;
+    return settings;
+}
+
+Result<void> DotMap::start() {
+    for (DotLayer* layer : used_) {
+        if (auto started = layer->start(); !started) return started;
+    }
+    report();
+    return {};
+}
+
+void DotMap::iterate() {
+    while (std::ranges::any_of(used_, &DotLayer::has_next_iteration)) {
+        for (DotLayer* layer : used_) {
+            if (!layer->has_next_iteration()) continue;
+            if (settings_) layer->polish_between(*settings_);
+            layer->iterate();
+        }
+        if (!stopping()) report();
+    }
+}
+
+void DotMap::polish() {
+    if (!settings_ || stopping()) return;
+    constexpr double kNearPush = 0.5;  // each of the two dots moves half of the missing distance
+    constexpr int kMaxRetries = 3;
+    const PolishSettings& s = *settings_;
+    for_each(&DotLayer::begin);
+    repeat(s.rounds, [&](int round) {
+        if (s.mesh_every > 0 && round > 0 && round % s.mesh_every == 0) for_each(&DotLayer::restore);
+        push_apart(s.reach, s.push, s.ink_reach, s.push);
+        if ((round + 1) % s.even_every == 0) for_each(&DotLayer::even_out);
+    });
+    repeat(s.relax_rounds, [&](int) {
+        for_each(&DotLayer::even_out);
+        for_each(&DotLayer::equalise, s.relax_passes);
+    });
+    repeat(s.even_rounds, [&](int) { for_each(&DotLayer::even_out); });
+    repeat(s.near_rounds, [&](int) { push_apart(s.nearest, kNearPush, s.ink_nearest, s.push); });
+    for (int round = 0; round < kMaxRetries && !stopping() && is_any_nearer(s.least); ++round) {
+        for_each(&DotLayer::restore);
+        push_apart(s.nearest, kNearPush, s.ink_nearest, s.push);
+    }
+    repeat(s.last_rounds, [&](int) { for_each(&DotLayer::even_out); });
+    for_each(&DotLayer::finish);
+}
+
+template <class Step>
+void DotMap::repeat(int rounds, Step&& step) {
+    for (int i = 0; i < rounds && !stopping(); ++i) {
+        step(i);
+        ++round_;
+        if (!stopping()) report();
+    }
+}
+
+/// Calls a member function of all layers, until stopped.
+template <class Step, class... Arguments>
+void DotMap::for_each(Step step, Arguments... arguments) {
+    for (DotLayer* layer : used_) {
+        if (stopping()) return;
+        std::invoke(step, layer, arguments...);
+    }
+}
+
+bool DotMap::is_any_nearer(double least) const {
+    return least > 0 &&
+           std::ranges::any_of(used_, [&](const DotLayer* layer) { return layer->least_distance() < least; });
+}
+
+void DotMap::push_apart(double reach, double push, double class_reach, double class_push) {
+    const std::vector<Point> moves = pushes(class_reach, class_push);
+    std::span<const Point> rest = moves;
+    for (DotLayer* layer : used_) {
+        const std::size_t own = rest.empty() ? 0 : layer->size();
+        layer->push_apart(reach, push, rest.first(own));
+        rest = rest.subspan(own);
+    }
+}
+
+/// Returns the moves of all dots caused by other classes, class by class; empty if there is only one class.
+std::vector<Point> DotMap::pushes(double reach, double push) {
+    if (!land_) return {};
+    constexpr std::size_t kDots = 4096;  // dots per task
+    const double scale = std::max(land_->bounds().width(), land_->bounds().height());
+    std::vector<InkSite> sites;
+    std::uint32_t number = 0;
+    for (std::size_t c = 0; c < layers_.size(); ++c) {
+        if (!layers_[c]) continue;
+        const DotLayer& layer = *layers_[c];
+        const auto site_of = [&](std::size_t dot) {
+            const Point place = layer.place(dot);
+            double all = 0;
+            for (const auto& ground : grounds_) {
+                if (ground) all += ground->at(layer.feature_of(dot), place);
+            }
+            const double own = grounds_[c]->at(layer.feature_of(dot), place);
+            return InkSite{land_->to_unit(place), 1 / std::sqrt(all) / scale, number, 1 / std::sqrt(own) / scale};
+        };
+        const std::size_t first = sites.size();
+        sites.resize(first + layer.size());
+        for_ranges(*control_.executor, layer.size(), kDots, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t dot = begin; dot < end; ++dot) sites[first + dot] = site_of(dot);
+        });
+        ++number;
+    }
+    auto moves = push_inks_apart(*land_, sites, reach, push, control_.stop);
+    for (Point& move : moves) move = scale * move;
+    return moves;
+}
+
+void DotMap::report() {
+    if (!control_.progress) return;
+    Progress progress{0, options_.iterations, {}, round_, settings_ ? settings_->all_rounds() : 0};
+    for (const DotLayer* layer : used_) {
+        progress.iteration = std::max(progress.iteration, layer->iterations());
+        progress.variation = std::max(progress.variation, std::optional(layer->variation()));
+    }
+    control_.progress(progress);
+}
+
+std::vector<ClassDots> DotMap::collect() {
+    std::vector<ClassDots> classes;
+    for (const auto& layer : layers_) {
+        classes.push_back(layer ? layer->collect() : ClassDots{});
+        if (!layer) classes.back().dots.trace = {0};
+    }
+    return classes;
+}
+
+}  // namespace
+
+Result<std::vector<ClassDots>> distribute_dots(std::span<const MapFeature> features, const Box& box,
+                                               const Density& density, const Options& options, const Control& control) {
+    Options whole = options;
+    whole.sites = 0;
+    for (const MapFeature& feature : features) {
+        for (const std::size_t dots : feature.dots) whole.sites += dots;
+    }
+    assert(whole.sites > 0);
+    if (auto checked = check(whole); !checked) return tl::unexpected(checked.error());
+    return DotMap(features, box, density, options, control).execute();
+}
+
+}  // namespace ccdt

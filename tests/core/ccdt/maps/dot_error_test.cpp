@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/ccdt/maps/dot_error.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "tests/support/shapes.h"
+
+namespace ccdt {
+namespace {
+
+using test::box;
+
+/// Adjacent squares, with dots on a square grid in each.
+class Squares {
+public:
+    /// @param rows  [squares] rows of dots in each square
+    explicit Squares(const std::vector<int>& rows) {
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            const auto west = static_cast<double>(i);
+            features_.push_back({Domain::repair({{box(west, 0, 1, 1), {}}}).value().domain,
+                                 {static_cast<std::size_t>(rows[i]) * static_cast<std::size_t>(rows[i])}});
+            for (int row = 0; row < rows[i]; ++row) {
+                for (int column = 0; column < rows[i]; ++column)
+                    dots_.push_back(
+                        {{west + (column + 0.5) / rows[i], (row + 0.5) / rows[i]}, static_cast<std::uint32_t>(i)});
+            }
+        }
+    }
+
+    const std::vector<FeatureDot>& dots() const { return dots_; }
+
+    /// @param places  [dots]
+    std::vector<double> errors(const std::vector<Point>& places) const {
+        std::vector<FeatureArea> areas;
+        std::vector<const Domain*> domains;
+        for (const MapFeature& feature : features_) {
+            areas.emplace_back(feature.area);
+            domains.push_back(&feature.area);
+        }
+        const FeatureIndex index(areas);
+        const Domain land = Domain::united(domains).value();
+        const Density density = Density::uniform();
+        const auto ground =
+            DotGround::create({features_, areas, index, land.bounds(), density}, 0, inline_executor(), {}).value();
+        std::vector<Point> units;
+        for (const Point& p : places) units.push_back(land.to_unit(p));
+        std::vector<double> errors(places.size());
+        DotError(ground, land, dots_).measure(units, errors);
+        return errors;
+    }
+
+    std::vector<double> errors() const {
+        std::vector<Point> places;
+        for (const FeatureDot& dot : dots_) places.push_back(dot.place);
+        return errors(places);
+    }
+
+private:
+    std::vector<MapFeature> features_;
+    std::vector<FeatureDot> dots_;
+};
+
+TEST(DotError, FindsNoErrorInGrids) {
+    const Squares squares({20, 20});
+    const auto errors = squares.errors();
+    for (std::size_t dot = 0; dot < errors.size(); ++dot) {
+        const Point p = squares.dots()[dot].place;
+        if (std::abs(p.x - 1) < 0.7 && std::abs(p.y - 0.5) < 0.3) {
+            EXPECT_NEAR(errors[dot], 0, 1e-3) << p.x << ' ' << p.y;
+        }
+    }
+}
+
+TEST(DotError, LocatesASurplus) {
+    const Squares squares({20, 20});
+    std::vector<Point> places;
+    for (const FeatureDot& dot : squares.dots()) places.push_back({dot.place.x, dot.place.y * dot.place.y});
+    const auto errors = squares.errors(places);
+    for (std::size_t dot = 0; dot < errors.size(); ++dot) {
+        if (places[dot].y < 0.15) {
+            EXPECT_GT(errors[dot], 0.05);
+        }
+        if (places[dot].y > 0.4) {
+            EXPECT_LT(errors[dot], -0.05);
+        }
+    }
+}
+
+/// Errors include the dots of neighbouring features whose spacings are in the same octave or in an adjacent one.
+TEST(DotError, IncludesNeighbouringFeatures) {
+    for (const int rows : {20, 28}) {
+        const Squares squares({20, rows});
+        std::vector<Point> places;
+        for (const FeatureDot& dot : squares.dots())
+            places.push_back(dot.feature == 0 ? dot.place : Point{1 + std::pow(dot.place.x - 1, 2), dot.place.y});
+        const auto errors = squares.errors(places);
+        for (std::size_t dot = 0; dot < errors.size(); ++dot) {
+            const bool is_last = places[dot].x < 1 && places[dot].x > 0.97;
+            if (is_last && std::abs(places[dot].y - 0.5) < 0.3) {
+                EXPECT_GT(errors[dot], 0.1) << rows;
+            }
+        }
+    }
+}
+
+/// The neighbouring feature is almost empty, or so dense that its dots would outweigh all others.
+TEST(DotError, IgnoresFeaturesOfVeryDifferentDensity) {
+    for (const int rows : {200, 3}) {
+        const Squares squares({20, rows});
+        const auto errors = squares.errors();
+        for (std::size_t dot = 0; dot < 400; ++dot) {
+            const Point p = squares.dots()[dot].place;
+            if (p.x > 0.2 && std::abs(p.y - 0.5) < 0.3) {
+                EXPECT_NEAR(errors[dot], 0, 0.1) << rows;
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace ccdt
