@@ -12,9 +12,9 @@
 #include "api/input/file_formats.h"
 #include "api/run/estimate.h"
 #include "api/run/options.h"
-#include "core/analysis/analysis.h"
 #include "core/base/result.h"
 #include "core/ccdt/plane/ccdt.h"
+#include "core/points/analysis/analysis.h"
 
 namespace ccdt::api {
 

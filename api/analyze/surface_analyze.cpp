@@ -14,7 +14,7 @@
 #include "api/output/stage_costs.h"
 #include "api/run/estimate.h"
 #include "api/run/stopwatch.h"
-#include "core/surface/surface_analysis.h"
+#include "core/points/analysis/surface_analysis.h"
 
 namespace ccdt::api {
 namespace {

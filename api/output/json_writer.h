@@ -11,8 +11,8 @@
 #include "api/output/body.h"
 #include "api/output/point_set.h"
 #include "api/run/options.h"
-#include "core/analysis/analysis.h"
 #include "core/geometry/faults.h"
+#include "core/points/analysis/analysis.h"
 
 namespace ccdt::api {
 

@@ -10,7 +10,7 @@
 
 #include "api/output/pen_labels.h"
 #include "api/text/numbers.h"
-#include "core/tour/short_path.h"
+#include "core/points/tour/short_path.h"
 
 namespace ccdt::api {
 namespace {

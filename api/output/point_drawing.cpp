@@ -15,7 +15,7 @@
 #include "api/output/plot.h"
 #include "api/output/ring_curves.h"
 #include "api/text/numbers.h"
-#include "core/tour/short_path.h"
+#include "core/points/tour/short_path.h"
 
 namespace ccdt::api {
 namespace {

@@ -4,10 +4,10 @@
 #include <span>
 #include <string>
 
-#include "core/analysis/analysis.h"
 #include "core/base/result.h"
 #include "core/geometry/point.h"
 #include "core/geometry/point3.h"
+#include "core/points/analysis/analysis.h"
 
 namespace ccdt::api {
 

@@ -10,9 +10,9 @@
 
 #include "api/output/point_set.h"
 #include "api/run/deadline.h"
-#include "core/order/progressive_order.h"
-#include "core/order/reorder.h"
-#include "core/tour/short_path.h"
+#include "core/points/order/progressive_order.h"
+#include "core/points/order/reorder.h"
+#include "core/points/tour/short_path.h"
 
 namespace ccdt::api {
 namespace {

@@ -10,7 +10,7 @@
 #include "core/base/result.h"
 #include "core/ccdt/maps/dot_map.h"
 #include "core/geometry/domain.h"
-#include "core/order/reorder.h"
+#include "core/points/order/reorder.h"
 
 namespace ccdt::api {
 

@@ -14,7 +14,7 @@
 #include "core/ccdt/globe/turns.h"
 #include "core/ccdt/maps/globe_dots.h"
 #include "core/ccdt/maps/locate.h"
-#include "core/order/reorder.h"
+#include "core/points/order/reorder.h"
 
 namespace ccdt::api {
 namespace {

@@ -22,7 +22,7 @@
 #include "api/text/numbers.h"
 #include "api/text/text.h"
 #include "core/ccdt/surface/surface_density.h"
-#include "core/order/progressive_order.h"
+#include "core/points/order/progressive_order.h"
 
 namespace ccdt::api {
 namespace {

@@ -12,7 +12,7 @@
 #include "api/output/npy_header.h"
 #include "api/run/deadline.h"
 #include "api/run/stopwatch.h"
-#include "core/order/threshold_mask.h"
+#include "core/points/order/threshold_mask.h"
 
 namespace ccdt::api {
 namespace {

@@ -18,7 +18,7 @@
 #include "api/text/text.h"
 #include "core/ccdt/volume/distribute_solid.h"
 #include "core/ccdt/volume/solid.h"
-#include "core/order/progressive_order.h"
+#include "core/points/order/progressive_order.h"
 
 namespace ccdt::api {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <utility>
 
-#include "core/analysis/analysis.h"
 #include "core/library/conversion.h"
+#include "core/points/analysis/analysis.h"
 
 namespace ccdt::v2 {
 

@@ -6,7 +6,7 @@
 
 #include "core/density/density.h"
 #include "core/library/conversion.h"
-#include "core/order/progressive_order.h"
+#include "core/points/order/progressive_order.h"
 
 namespace ccdt::v2 {
 namespace {

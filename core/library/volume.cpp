@@ -10,8 +10,8 @@
 #include "core/ccdt/volume/distribute_volume.h"
 #include "core/ccdt/volume/solid.h"
 #include "core/library/conversion.h"
-#include "core/order/progressive_order.h"
-#include "core/order/reorder.h"
+#include "core/points/order/progressive_order.h"
+#include "core/points/order/reorder.h"
 
 namespace ccdt::v2 {
 namespace {

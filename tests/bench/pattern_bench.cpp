@@ -9,14 +9,14 @@
 #include <numbers>
 #include <vector>
 
-#include "core/analysis/analysis.h"
 #include "core/base/thread_executor.h"
 #include "core/baselines/odt.h"
 #include "core/ccdt/plane/ccdt.h"
 #include "core/ccdt/polish/nonuniform_transform.h"
 #include "core/dither/pixel_choice.h"
 #include "core/geometry/hexagonal_spacing.h"
-#include "core/order/progressive_order.h"
+#include "core/points/analysis/analysis.h"
+#include "core/points/order/progressive_order.h"
 #include "tests/support/evenness.h"
 #include "tests/support/pictures.h"
 #include "tests/support/shapes.h"

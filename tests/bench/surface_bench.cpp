@@ -12,7 +12,7 @@
 #include "core/base/random.h"
 #include "core/base/thread_executor.h"
 #include "core/ccdt/surface/distribute.h"
-#include "core/surface/surface_analysis.h"
+#include "core/points/analysis/surface_analysis.h"
 #include "tests/bench/stages.h"
 #include "tests/bench/yardstick.h"
 #include "tests/support/surfaces.h"

@@ -9,13 +9,13 @@
 
 #include <benchmark/benchmark.h>
 
-#include "core/analysis/analysis.h"
 #include "core/base/random.h"
 #include "core/base/thread_executor.h"
 #include "core/ccdt/volume/distribute_volume.h"
 #include "core/ccdt/volume/volume_mesh.h"
 #include "core/ccdt/volume/volume_spacing.h"
-#include "core/order/progressive_order.h"
+#include "core/points/analysis/analysis.h"
+#include "core/points/order/progressive_order.h"
 #include "tests/bench/stages.h"
 
 namespace ccdt::bench {

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <random>
 
-#include "core/tour/short_path.h"
+#include "core/points/tour/short_path.h"
 
 namespace ccdt::api {
 namespace {

@@ -7,11 +7,11 @@
 
 #include <gtest/gtest.h>
 
-#include "core/analysis/analysis.h"
 #include "core/base/random.h"
 #include "core/ccdt/plane/ccdt.h"
 #include "core/ccdt/relax/capacity_integral.h"
 #include "core/mesh/flips.h"
+#include "core/points/analysis/analysis.h"
 #include "tests/support/evenness.h"
 #include "tests/support/meshes.h"
 #include "tests/support/pictures.h"

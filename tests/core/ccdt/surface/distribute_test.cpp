@@ -13,9 +13,9 @@
 #include <string>
 #include <utility>
 
-#include "core/analysis/spacing.h"
 #include "core/base/thread_executor.h"
 #include "core/geometry/hexagonal_spacing.h"
+#include "core/points/analysis/spacing.h"
 #include "tests/support/surfaces.h"
 
 namespace ccdt {

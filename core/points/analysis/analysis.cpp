@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/analysis/analysis.h"
+#include "core/points/analysis/analysis.h"
 
 #include <algorithm>
 #include <array>
@@ -13,10 +13,10 @@
 #include <tuple>
 #include <utility>
 
-#include "core/analysis/spacing.h"
 #include "core/ccdt/polish/nonuniform_transform.h"
 #include "core/geometry/axes.h"
 #include "core/geometry/hexagonal_spacing.h"
+#include "core/points/analysis/spacing.h"
 
 namespace ccdt {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/order/progressive_order.h"
+#include "core/points/order/progressive_order.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,6 @@
 #include <span>
 #include <utility>
 
-#include "core/analysis/analysis.h"
 #include "core/base/random.h"
 #include "core/base/thread_executor.h"
 #include "core/ccdt/globe/chart.h"
@@ -20,7 +19,8 @@
 #include "core/ccdt/polish/cell_list.h"
 #include "core/ccdt/volume/distribute_volume.h"
 #include "core/geometry/hexagonal_spacing.h"
-#include "core/order/reorder.h"
+#include "core/points/analysis/analysis.h"
+#include "core/points/order/reorder.h"
 #include "tests/support/evenness.h"
 
 namespace ccdt {

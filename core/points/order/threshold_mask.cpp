@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/order/threshold_mask.h"
+#include "core/points/order/threshold_mask.h"
 
 #include <algorithm>
 #include <cmath>

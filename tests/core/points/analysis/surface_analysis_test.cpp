@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/surface/surface_analysis.h"
+#include "core/points/analysis/surface_analysis.h"
 
 #include <algorithm>
 #include <cmath>

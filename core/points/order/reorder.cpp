@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/order/reorder.h"
+#include "core/points/order/reorder.h"
 
 #include <algorithm>
 #include <cstddef>

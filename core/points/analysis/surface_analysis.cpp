@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/surface/surface_analysis.h"
+#include "core/points/analysis/surface_analysis.h"
 
 #include <algorithm>
 #include <array>
@@ -10,9 +10,9 @@
 #include <unordered_map>
 #include <utility>
 
-#include "core/analysis/laplacian_modes.h"
-#include "core/analysis/spacing.h"
 #include "core/geometry/hexagonal_spacing.h"
+#include "core/points/analysis/laplacian_modes.h"
+#include "core/points/analysis/spacing.h"
 
 namespace ccdt {
 namespace {

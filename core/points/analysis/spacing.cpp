@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/analysis/spacing.h"
+#include "core/points/analysis/spacing.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/order/progressive_order.h"
+#include "core/points/order/progressive_order.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/analysis/analysis.h"
+#include "core/points/analysis/analysis.h"
 
 #include <algorithm>
 #include <cmath>

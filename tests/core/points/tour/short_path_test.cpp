@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/tour/short_path.h"
+#include "core/points/tour/short_path.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/analysis/laplacian_modes.h"
+#include "core/points/analysis/laplacian_modes.h"
 
 #include <algorithm>
 #include <array>
