@@ -8,7 +8,7 @@
 #include "api/image/picture_reader.h"
 #include "api/surface/surface_reader.h"
 #include "core/base/result.h"
-#include "core/halftone/picture.h"
+#include "core/picture/picture.h"
 
 namespace ccdt::api {
 

@@ -18,8 +18,8 @@
 #include "core/dither/dither.h"
 #include "core/dither/frame.h"
 #include "core/dither/printed_spot.h"
-#include "core/halftone/crop.h"
-#include "core/halftone/pixel_ranges.h"
+#include "core/picture/crop.h"
+#include "core/picture/pixel_ranges.h"
 
 namespace ccdt::api {
 namespace {

@@ -18,7 +18,7 @@
 #include "api/run/options.h"
 #include "core/base/result.h"
 #include "core/ccdt/plane/ccdt.h"
-#include "core/halftone/levels.h"
+#include "core/picture/levels.h"
 
 namespace ccdt::api {
 

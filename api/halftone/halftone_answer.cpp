@@ -18,8 +18,8 @@
 #include "api/run/deadline.h"
 #include "core/halftone/dots.h"
 #include "core/halftone/field_drawing.h"
-#include "core/halftone/pixel_ranges.h"
 #include "core/halftone/softening.h"
+#include "core/picture/pixel_ranges.h"
 
 namespace ccdt::api {
 namespace {

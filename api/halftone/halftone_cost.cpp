@@ -16,8 +16,8 @@
 #include "core/halftone/dots.h"
 #include "core/halftone/field_drawing.h"
 #include "core/halftone/field_plan.h"
-#include "core/halftone/reduction.h"
-#include "core/halftone/tone.h"
+#include "core/picture/reduction.h"
+#include "core/picture/tone.h"
 
 namespace ccdt::api {
 namespace {

@@ -18,14 +18,14 @@
 #include "api/output/plot.h"
 #include "api/output/point_drawing.h"
 #include "api/run/deadline.h"
-#include "core/halftone/crop.h"
 #include "core/halftone/dot_plan.h"
-#include "core/halftone/fineness.h"
-#include "core/halftone/levels.h"
-#include "core/halftone/pixel_ranges.h"
-#include "core/halftone/reduction.h"
 #include "core/halftone/separation.h"
-#include "core/halftone/tone.h"
+#include "core/picture/crop.h"
+#include "core/picture/fineness.h"
+#include "core/picture/levels.h"
+#include "core/picture/pixel_ranges.h"
+#include "core/picture/reduction.h"
+#include "core/picture/tone.h"
 
 namespace ccdt::api {
 namespace {

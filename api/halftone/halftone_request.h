@@ -16,8 +16,8 @@
 #include "api/output/formats.h"
 #include "api/run/options.h"
 #include "core/ccdt/plane/ccdt.h"
-#include "core/halftone/levels.h"
-#include "core/halftone/tone.h"
+#include "core/picture/levels.h"
+#include "core/picture/tone.h"
 
 namespace ccdt::api {
 

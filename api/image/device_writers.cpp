@@ -8,7 +8,7 @@
 #include <cstddef>
 
 #include "api/image/png_writer.h"
-#include "core/halftone/srgb.h"
+#include "core/picture/srgb.h"
 
 namespace ccdt::api {
 namespace {

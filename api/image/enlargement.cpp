@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "api/image/srgb.h"
-#include "core/halftone/pixel_ranges.h"
-#include "core/halftone/srgb.h"
+#include "core/picture/pixel_ranges.h"
+#include "core/picture/srgb.h"
 
 namespace ccdt::api {
 namespace {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "api/image/broken_image.h"
-#include "core/halftone/srgb.h"
+#include "core/picture/srgb.h"
 
 namespace ccdt::api {
 namespace {

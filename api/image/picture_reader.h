@@ -10,7 +10,7 @@
 #include "api/image/row_source.h"
 #include "core/base/result.h"
 #include "core/halftone/overprint.h"
-#include "core/halftone/picture.h"
+#include "core/picture/picture.h"
 
 namespace ccdt::api {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/halftone/srgb.h"
+#include "core/picture/srgb.h"
 
 namespace ccdt::api {
 

@@ -3,8 +3,8 @@
 
 #include "api/input/option_reader.h"
 #include "core/base/result.h"
-#include "core/halftone/levels.h"
-#include "core/halftone/picture.h"
+#include "core/picture/levels.h"
+#include "core/picture/picture.h"
 
 namespace ccdt::api {
 

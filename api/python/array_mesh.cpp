@@ -10,7 +10,7 @@
 
 #include <pybind11/numpy.h>
 
-#include "core/halftone/srgb.h"
+#include "core/picture/srgb.h"
 
 namespace ccdt::python {
 namespace {

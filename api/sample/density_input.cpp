@@ -12,7 +12,7 @@
 
 #include "api/image/embedded_image.h"
 #include "api/output/stage_costs.h"
-#include "core/halftone/tone.h"
+#include "core/picture/tone.h"
 
 namespace ccdt::api {
 namespace {

@@ -17,7 +17,7 @@
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/geometry/inset.h"
 #include "core/geometry/pixel_outline.h"
-#include "core/halftone/tone.h"
+#include "core/picture/tone.h"
 
 namespace ccdt::api {
 namespace {

@@ -13,7 +13,7 @@
 #include "api/sample/exclusions.h"
 #include "api/sample/sample_writer.h"
 #include "core/geometry/repair.h"
-#include "core/halftone/tone.h"
+#include "core/picture/tone.h"
 
 namespace ccdt::api {
 namespace {

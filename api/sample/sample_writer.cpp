@@ -16,7 +16,7 @@
 #include "api/output/point_set.h"
 #include "api/run/deadline.h"
 #include "core/halftone/overprint.h"
-#include "core/halftone/tone.h"
+#include "core/picture/tone.h"
 
 namespace ccdt::api {
 namespace {

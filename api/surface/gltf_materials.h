@@ -15,7 +15,7 @@
 #include "api/surface/surface_format.h"
 #include "core/base/result.h"
 #include "core/ccdt/surface/triangle_soup.h"
-#include "core/halftone/picture.h"
+#include "core/picture/picture.h"
 
 namespace ccdt::api {
 

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "api/surface/polygon_triangles.h"
-#include "core/halftone/srgb.h"
+#include "core/picture/srgb.h"
 
 namespace ccdt::api {
 namespace {

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <limits>
 
-#include "core/halftone/colour_difference.h"
+#include "core/picture/colour_difference.h"
 
 namespace ccdt {
 

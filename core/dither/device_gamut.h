@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "core/halftone/colour_difference.h"
 #include "core/halftone/overprint.h"
+#include "core/picture/colour_difference.h"
 
 namespace ccdt {
 

@@ -17,8 +17,8 @@
 #include "core/dither/spot_search.h"
 #include "core/dither/visual_error.h"
 #include "core/halftone/colour_table.h"
-#include "core/halftone/pixel_ranges.h"
-#include "core/halftone/srgb.h"
+#include "core/picture/pixel_ranges.h"
+#include "core/picture/srgb.h"
 
 namespace ccdt {
 

@@ -8,10 +8,10 @@
 #include <memory>
 #include <vector>
 
-#include "core/halftone/bilinear.h"
-#include "core/halftone/pixel_ranges.h"
-#include "core/halftone/reduction.h"
-#include "core/halftone/tone.h"
+#include "core/picture/bilinear.h"
+#include "core/picture/pixel_ranges.h"
+#include "core/picture/reduction.h"
+#include "core/picture/tone.h"
 
 namespace ccdt {
 

@@ -3,7 +3,7 @@
 
 #include "core/base/executor.h"
 #include "core/halftone/overprint.h"
-#include "core/halftone/picture.h"
+#include "core/picture/picture.h"
 
 namespace ccdt {
 

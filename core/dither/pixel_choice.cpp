@@ -13,7 +13,7 @@
 #include "core/dither/device_colours.h"
 #include "core/dither/direct_search.h"
 #include "core/dither/error_diffusion.h"
-#include "core/halftone/pixel_ranges.h"
+#include "core/picture/pixel_ranges.h"
 
 namespace ccdt {
 

@@ -10,7 +10,7 @@
 #include "core/dither/error_diffusion.h"
 #include "core/dither/tile_sweep.h"
 #include "core/dither/visual_error.h"
-#include "core/halftone/pixel_ranges.h"
+#include "core/picture/pixel_ranges.h"
 
 namespace ccdt {
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "core/halftone/pixel_ranges.h"
+#include "core/picture/pixel_ranges.h"
 
 namespace ccdt {
 

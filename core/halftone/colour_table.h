@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "core/halftone/overprint.h"
-#include "core/halftone/tone.h"
+#include "core/picture/tone.h"
 
 namespace ccdt {
 

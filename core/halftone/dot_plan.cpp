@@ -9,11 +9,11 @@
 #include <numbers>
 #include <utility>
 
-#include "core/halftone/blur.h"
 #include "core/halftone/coverage_curve.h"
-#include "core/halftone/pixel_ranges.h"
-#include "core/halftone/sharpening.h"
-#include "core/halftone/tone.h"
+#include "core/picture/blur.h"
+#include "core/picture/pixel_ranges.h"
+#include "core/picture/sharpening.h"
+#include "core/picture/tone.h"
 
 namespace ccdt {
 

@@ -11,7 +11,7 @@
 #include <numeric>
 
 #include "core/halftone/diffusion.h"
-#include "core/halftone/pixel_ranges.h"
+#include "core/picture/pixel_ranges.h"
 
 namespace ccdt {
 

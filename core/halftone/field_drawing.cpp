@@ -8,12 +8,12 @@
 #include <numbers>
 #include <utility>
 
-#include "core/halftone/bilinear.h"
-#include "core/halftone/blur.h"
 #include "core/halftone/dot_rounding.h"
 #include "core/halftone/level_outline.h"
-#include "core/halftone/pixel_ranges.h"
 #include "core/halftone/ring_reduction.h"
+#include "core/picture/bilinear.h"
+#include "core/picture/blur.h"
+#include "core/picture/pixel_ranges.h"
 
 namespace ccdt {
 

@@ -11,8 +11,8 @@
 #include "core/geometry/point.h"
 #include "core/halftone/dots.h"
 #include "core/halftone/field_plan.h"
-#include "core/halftone/reduction.h"
 #include "core/halftone/spot_field.h"
+#include "core/picture/reduction.h"
 
 namespace ccdt {
 

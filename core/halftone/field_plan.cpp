@@ -9,14 +9,14 @@
 #include <numeric>
 #include <utility>
 
-#include "core/halftone/blur.h"
-#include "core/halftone/colour_difference.h"
 #include "core/halftone/dot_plan.h"
 #include "core/halftone/ink_mixture.h"
-#include "core/halftone/pixel_ranges.h"
-#include "core/halftone/srgb.h"
-#include "core/halftone/tone.h"
-#include "core/halftone/total_variation.h"
+#include "core/picture/blur.h"
+#include "core/picture/colour_difference.h"
+#include "core/picture/pixel_ranges.h"
+#include "core/picture/srgb.h"
+#include "core/picture/tone.h"
+#include "core/picture/total_variation.h"
 
 namespace ccdt {
 

@@ -10,7 +10,7 @@
 #include "core/base/executor.h"
 #include "core/ccdt/polish/settings.h"
 #include "core/halftone/overprint.h"
-#include "core/halftone/reduction.h"
+#include "core/picture/reduction.h"
 
 namespace ccdt {
 

@@ -7,8 +7,8 @@
 #include <numeric>
 #include <utility>
 
-#include "core/halftone/colour_difference.h"
-#include "core/halftone/srgb.h"
+#include "core/picture/colour_difference.h"
+#include "core/picture/srgb.h"
 
 namespace ccdt {
 

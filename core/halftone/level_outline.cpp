@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "core/halftone/pixel_ranges.h"
+#include "core/picture/pixel_ranges.h"
 
 namespace ccdt {
 

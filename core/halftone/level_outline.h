@@ -6,7 +6,7 @@
 
 #include "core/base/executor.h"
 #include "core/geometry/point.h"
-#include "core/halftone/reduction.h"
+#include "core/picture/reduction.h"
 
 namespace ccdt {
 

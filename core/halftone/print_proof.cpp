@@ -6,9 +6,9 @@
 #include <numbers>
 #include <utility>
 
-#include "core/halftone/blur.h"
-#include "core/halftone/colour_difference.h"
-#include "core/halftone/srgb.h"
+#include "core/picture/blur.h"
+#include "core/picture/colour_difference.h"
+#include "core/picture/srgb.h"
 
 namespace ccdt {
 

@@ -11,7 +11,7 @@
 #include "core/base/executor.h"
 #include "core/geometry/point.h"
 #include "core/halftone/overprint.h"
-#include "core/halftone/reduction.h"
+#include "core/picture/reduction.h"
 
 namespace ccdt {
 

@@ -8,9 +8,9 @@
 #include <numeric>
 
 #include "core/halftone/bounded_least_squares.h"
-#include "core/halftone/colour_difference.h"
 #include "core/halftone/colour_table.h"
-#include "core/halftone/pixel_ranges.h"
+#include "core/picture/colour_difference.h"
+#include "core/picture/pixel_ranges.h"
 
 namespace ccdt {
 

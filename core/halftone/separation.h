@@ -8,8 +8,8 @@
 
 #include "core/base/executor.h"
 #include "core/halftone/overprint.h"
-#include "core/halftone/picture.h"
-#include "core/halftone/tone.h"
+#include "core/picture/picture.h"
+#include "core/picture/tone.h"
 
 namespace ccdt {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/halftone/pixel_ranges.h"
+#include "core/picture/pixel_ranges.h"
 
 namespace ccdt {
 

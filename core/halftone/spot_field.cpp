@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "core/geometry/delaunay.h"
-#include "core/halftone/pixel_ranges.h"
 #include "core/halftone/spot_function.h"
+#include "core/picture/pixel_ranges.h"
 
 namespace ccdt {
 

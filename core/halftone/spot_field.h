@@ -10,7 +10,7 @@
 #include "core/base/executor.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
-#include "core/halftone/reduction.h"
+#include "core/picture/reduction.h"
 
 namespace ccdt {
 

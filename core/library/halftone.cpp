@@ -16,13 +16,13 @@
 #include "core/halftone/dot_plan.h"
 #include "core/halftone/field_drawing.h"
 #include "core/halftone/field_plan.h"
-#include "core/halftone/picture.h"
-#include "core/halftone/pixel_ranges.h"
-#include "core/halftone/reduction.h"
 #include "core/halftone/separation.h"
-#include "core/halftone/srgb.h"
-#include "core/halftone/tone.h"
 #include "core/library/conversion.h"
+#include "core/picture/picture.h"
+#include "core/picture/pixel_ranges.h"
+#include "core/picture/reduction.h"
+#include "core/picture/srgb.h"
+#include "core/picture/tone.h"
 
 namespace ccdt::v2 {
 namespace {

@@ -15,7 +15,7 @@
 #include "api/map/shapefile_parts.h"
 #include "api/surface/surface_reader.h"
 #include "core/base/result.h"
-#include "core/halftone/picture.h"
+#include "core/picture/picture.h"
 #include "server/decoder/decoder_sandbox.h"
 
 namespace ccdt::server {

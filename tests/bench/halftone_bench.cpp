@@ -11,7 +11,7 @@
 #include "api/image/png_writer.h"
 #include "core/ccdt/plane/ccdt.h"
 #include "core/halftone/dots.h"
-#include "core/halftone/tone.h"
+#include "core/picture/tone.h"
 #include "tests/bench/photograph.h"
 #include "tests/bench/stages.h"
 #include "tests/bench/yardstick.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "api/problem.h"
-#include "core/halftone/tone.h"
+#include "core/picture/tone.h"
 #include "server/decoder/decoder_protocol.h"
 #include "tests/fuzz/checks.h"
 #include "tests/fuzz/shape_checks.h"

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "core/ccdt/surface/face_pieces.h"
-#include "core/halftone/srgb.h"
+#include "core/picture/srgb.h"
 
 namespace ccdt {
 

@@ -13,8 +13,8 @@
 #include "core/base/thread_executor.h"
 #include "core/dither/device_colours.h"
 #include "core/dither/direct_search.h"
-#include "core/halftone/blur.h"
-#include "core/halftone/tone.h"
+#include "core/picture/blur.h"
+#include "core/picture/tone.h"
 
 namespace ccdt {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "core/base/thread_executor.h"
 #include "core/dither/error_diffusion.h"
-#include "core/halftone/blur.h"
+#include "core/picture/blur.h"
 
 namespace ccdt {
 namespace {

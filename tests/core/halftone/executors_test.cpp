@@ -9,18 +9,18 @@
 #include <vector>
 
 #include "core/base/thread_executor.h"
-#include "core/halftone/blur.h"
 #include "core/halftone/dot_plan.h"
 #include "core/halftone/dots.h"
 #include "core/halftone/field_drawing.h"
 #include "core/halftone/field_plan.h"
-#include "core/halftone/fineness.h"
-#include "core/halftone/levels.h"
 #include "core/halftone/print_proof.h"
-#include "core/halftone/reduction.h"
 #include "core/halftone/separation.h"
-#include "core/halftone/sharpening.h"
-#include "core/halftone/tone.h"
+#include "core/picture/blur.h"
+#include "core/picture/fineness.h"
+#include "core/picture/levels.h"
+#include "core/picture/reduction.h"
+#include "core/picture/sharpening.h"
+#include "core/picture/tone.h"
 #include "tests/support/inks.h"
 
 namespace ccdt {

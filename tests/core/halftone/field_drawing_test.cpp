@@ -14,8 +14,8 @@
 #include <gtest/gtest.h>
 
 #include "core/ccdt/plane/ccdt.h"
-#include "core/halftone/blur.h"
-#include "core/halftone/tone.h"
+#include "core/picture/blur.h"
+#include "core/picture/tone.h"
 
 namespace ccdt {
 namespace {

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/halftone/colour_difference.h"
-#include "core/halftone/tone.h"
+#include "core/picture/colour_difference.h"
+#include "core/picture/tone.h"
 
 namespace ccdt {
 namespace {

@@ -9,9 +9,9 @@
 #include <gtest/gtest.h>
 
 #include "core/ccdt/plane/ccdt.h"
-#include "core/halftone/blur.h"
 #include "core/halftone/dots.h"
 #include "core/halftone/separation.h"
+#include "core/picture/blur.h"
 #include "tests/support/inks.h"
 
 namespace ccdt {

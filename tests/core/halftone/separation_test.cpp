@@ -10,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/halftone/colour_difference.h"
 #include "core/halftone/overprint.h"
+#include "core/picture/colour_difference.h"
 #include "tests/support/inks.h"
 
 namespace ccdt {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/halftone/fineness.h"
+#include "core/picture/fineness.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,9 @@
 #include <numeric>
 #include <vector>
 
-#include "core/halftone/pixel_ranges.h"
-#include "core/halftone/srgb.h"
-#include "core/halftone/tone.h"
+#include "core/picture/pixel_ranges.h"
+#include "core/picture/srgb.h"
+#include "core/picture/tone.h"
 
 namespace ccdt {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/halftone/sharpening.h"
+#include "core/picture/sharpening.h"
 
 #include <cmath>
 #include <cstddef>
@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/random.h"
-#include "core/halftone/blur.h"
+#include "core/picture/blur.h"
 
 namespace ccdt {
 namespace {

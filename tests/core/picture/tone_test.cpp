@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/halftone/tone.h"
+#include "core/picture/tone.h"
 
 #include <cmath>
 #include <limits>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/halftone/total_variation.h"
+#include "core/picture/total_variation.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "core/halftone/pixel_ranges.h"
+#include "core/picture/pixel_ranges.h"
 
 namespace ccdt {
 

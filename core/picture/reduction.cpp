@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/halftone/reduction.h"
+#include "core/picture/reduction.h"
 
 #include <algorithm>
 #include <cassert>
@@ -9,8 +9,8 @@
 #include <memory>
 #include <utility>
 
-#include "core/halftone/pixel_ranges.h"
-#include "core/halftone/tone.h"
+#include "core/picture/pixel_ranges.h"
+#include "core/picture/tone.h"
 
 namespace ccdt {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/halftone/reduction.h"
+#include "core/picture/reduction.h"
 
 #include <cmath>
 #include <limits>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/halftone/levels.h"
+#include "core/picture/levels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,9 @@
 #include <memory>
 #include <vector>
 
-#include "core/halftone/pixel_ranges.h"
-#include "core/halftone/srgb.h"
-#include "core/halftone/tone.h"
+#include "core/picture/pixel_ranges.h"
+#include "core/picture/srgb.h"
+#include "core/picture/tone.h"
 
 namespace ccdt {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/halftone/levels.h"
+#include "core/picture/levels.h"
 
 #include <cmath>
 #include <cstddef>

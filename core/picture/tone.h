@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/base/executor.h"
-#include "core/halftone/picture.h"
+#include "core/picture/picture.h"
 
 namespace ccdt {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "core/halftone/picture.h"
+#include "core/picture/picture.h"
 
 namespace ccdt {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/halftone/colour_difference.h"
+#include "core/picture/colour_difference.h"
 
 #include <cmath>
 #include <cstddef>
 
-#include "core/halftone/tone.h"
+#include "core/picture/tone.h"
 
 namespace ccdt {
 

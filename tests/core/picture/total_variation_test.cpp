@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/halftone/total_variation.h"
+#include "core/picture/total_variation.h"
 
 #include <cmath>
 #include <cstddef>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/base/executor.h"
-#include "core/halftone/picture.h"
+#include "core/picture/picture.h"
 
 namespace ccdt {
 

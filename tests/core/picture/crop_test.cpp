@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/halftone/crop.h"
+#include "core/picture/crop.h"
 
 #include <gtest/gtest.h>
 

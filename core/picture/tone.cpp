@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/halftone/tone.h"
+#include "core/picture/tone.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "core/halftone/pixel_ranges.h"
+#include "core/picture/pixel_ranges.h"
 
 namespace ccdt {
 

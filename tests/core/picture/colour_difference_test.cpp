@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/halftone/colour_difference.h"
+#include "core/picture/colour_difference.h"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/halftone/fineness.h"
+#include "core/picture/fineness.h"
 
 #include <cmath>
 #include <cstddef>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/halftone/blur.h"
+#include "core/picture/blur.h"
 
 #include <algorithm>
 #include <cmath>

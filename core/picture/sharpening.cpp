@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/halftone/sharpening.h"
+#include "core/picture/sharpening.h"
 
 #include <cstddef>
 
-#include "core/halftone/blur.h"
-#include "core/halftone/pixel_ranges.h"
+#include "core/picture/blur.h"
+#include "core/picture/pixel_ranges.h"
 
 namespace ccdt {
 
