@@ -7,7 +7,7 @@
 #include "api/halftone/halftone_request.h"
 #include "api/output/json_writer.h"
 #include "core/base/result.h"
-#include "core/halftone/dots.h"
+#include "core/halftone/dots/dots.h"
 
 namespace ccdt::api {
 

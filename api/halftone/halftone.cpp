@@ -13,7 +13,7 @@
 #include "api/output/formats.h"
 #include "api/output/json_writer.h"
 #include "api/run/stopwatch.h"
-#include "core/halftone/field_plan.h"
+#include "core/halftone/field/field_plan.h"
 
 namespace ccdt::api {
 namespace {

@@ -16,9 +16,9 @@
 #include "api/output/json_writer.h"
 #include "api/output/point_drawing.h"
 #include "api/run/deadline.h"
-#include "core/halftone/dots.h"
-#include "core/halftone/field_drawing.h"
-#include "core/halftone/softening.h"
+#include "core/halftone/dots/dots.h"
+#include "core/halftone/dots/softening.h"
+#include "core/halftone/field/field_drawing.h"
 #include "core/picture/pixel_ranges.h"
 
 namespace ccdt::api {

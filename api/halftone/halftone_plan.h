@@ -11,9 +11,9 @@
 #include "core/base/result.h"
 #include "core/ccdt/plane/ccdt.h"
 #include "core/density/density.h"
-#include "core/halftone/dots.h"
-#include "core/halftone/field_plan.h"
-#include "core/halftone/print_proof.h"
+#include "core/halftone/dots/dots.h"
+#include "core/halftone/field/field_plan.h"
+#include "core/halftone/inks/print_proof.h"
 
 namespace ccdt::api {
 

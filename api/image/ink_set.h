@@ -2,7 +2,7 @@
 #pragma once
 
 #include "api/input/palette.h"
-#include "core/halftone/separation.h"
+#include "core/halftone/inks/separation.h"
 
 namespace ccdt::api {
 

@@ -8,7 +8,7 @@
 
 #include "api/image/ink_set.h"
 #include "api/image/srgb.h"
-#include "core/halftone/ink_mixture.h"
+#include "core/halftone/inks/ink_mixture.h"
 #include "core/picture/pixel_ranges.h"
 
 namespace ccdt::api {

@@ -10,7 +10,7 @@
 #include "api/image/shades.h"
 #include "api/input/palette.h"
 #include "core/base/executor.h"
-#include "core/halftone/dots.h"
+#include "core/halftone/dots/dots.h"
 
 namespace ccdt::api {
 
@@ -36,8 +36,8 @@ struct DotImage {
 };
 
 /// Combines the dots of all inks with each other and the paper, in linear light. An ink with the mixing Cover uses
-/// shades_of(); inks with other mixings use printed() in core/halftone/overprint.h. On transparent paper, inks have the
-/// colours that they have on white paper, and the opacity of a pixel is the share that dots cover.
+/// shades_of(); inks with other mixings use printed() in core/halftone/inks/overprint.h. On transparent paper, inks
+/// have the colours that they have on white paper, and the opacity of a pixel is the share that dots cover.
 ///
 /// @param rasters    [inks], all of one size
 /// @param antialias  if false, the rasters contain only 0 and 255, and the picture has a palette of all mixtures of

@@ -9,7 +9,7 @@
 #include "api/image/colour_profile.h"
 #include "api/image/row_source.h"
 #include "core/base/result.h"
-#include "core/halftone/overprint.h"
+#include "core/halftone/inks/overprint.h"
 #include "core/picture/picture.h"
 
 namespace ccdt::api {

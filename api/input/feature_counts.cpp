@@ -12,7 +12,7 @@
 #include "api/text/numbers.h"
 #include "api/text/text.h"
 #include "core/geometry/apportion.h"
-#include "core/halftone/overprint.h"
+#include "core/halftone/inks/overprint.h"
 
 namespace ccdt::api {
 namespace {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <utility>
 
-#include "core/halftone/separation.h"
+#include "core/halftone/inks/separation.h"
 
 namespace ccdt::api {
 namespace {

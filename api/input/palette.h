@@ -25,7 +25,7 @@ struct Ink {
 
 /// Inks, the paper, and the way in which inks mix.
 struct Palette {
-    std::vector<Ink> inks = {{}};  ///< 1 to kMaxInks of core/halftone/separation.h
+    std::vector<Ink> inks = {{}};  ///< 1 to kMaxInks of core/halftone/inks/separation.h
     Colour paper = kWhite;         ///< if transparent, the separation assumes white paper
     Mixing mixing = Mixing::Cover;
 };

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "core/geometry/point.h"
-#include "core/halftone/dots.h"
+#include "core/halftone/dots/dots.h"
 
 namespace ccdt::api {
 

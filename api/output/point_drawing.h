@@ -11,7 +11,7 @@
 #include "api/output/page.h"
 #include "api/output/point_set.h"
 #include "core/geometry/point.h"
-#include "core/halftone/dots.h"
+#include "core/halftone/dots/dots.h"
 
 namespace ccdt::api {
 

@@ -15,7 +15,7 @@
 #include "api/output/point_drawing.h"
 #include "api/output/point_set.h"
 #include "api/run/deadline.h"
-#include "core/halftone/overprint.h"
+#include "core/halftone/inks/overprint.h"
 #include "core/picture/tone.h"
 
 namespace ccdt::api {

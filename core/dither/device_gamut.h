@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/halftone/overprint.h"
+#include "core/halftone/inks/overprint.h"
 #include "core/picture/colour_difference.h"
 
 namespace ccdt {

@@ -16,7 +16,7 @@
 #include "core/dither/printed_spot.h"
 #include "core/dither/spot_search.h"
 #include "core/dither/visual_error.h"
-#include "core/halftone/colour_table.h"
+#include "core/halftone/inks/colour_table.h"
 #include "core/picture/pixel_ranges.h"
 #include "core/picture/srgb.h"
 

@@ -8,7 +8,7 @@
 
 #include "core/base/executor.h"
 #include "core/dither/error_diffusion.h"
-#include "core/halftone/overprint.h"
+#include "core/halftone/inks/overprint.h"
 
 namespace ccdt {
 

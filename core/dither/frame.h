@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/base/executor.h"
-#include "core/halftone/overprint.h"
+#include "core/halftone/inks/overprint.h"
 #include "core/picture/picture.h"
 
 namespace ccdt {

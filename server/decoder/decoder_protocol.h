@@ -12,7 +12,7 @@
 
 #include "api/surface/surface_reader.h"
 #include "core/base/result.h"
-#include "core/halftone/overprint.h"
+#include "core/halftone/inks/overprint.h"
 #include "core/picture/picture.h"
 #include "server/decoder/decoder_confinement.h"
 #include "server/decoder/decoder_sandbox.h"

@@ -10,7 +10,7 @@
 #include "api/image/overlay.h"
 #include "api/image/png_writer.h"
 #include "core/ccdt/plane/ccdt.h"
-#include "core/halftone/dots.h"
+#include "core/halftone/dots/dots.h"
 #include "core/picture/tone.h"
 #include "tests/bench/photograph.h"
 #include "tests/bench/stages.h"

@@ -6,7 +6,7 @@
 
 #include "api/image/image_codec.h"
 #include "core/ccdt/plane/ccdt.h"
-#include "core/halftone/separation.h"
+#include "core/halftone/inks/separation.h"
 #include "tests/bench/photograph.h"
 #include "tests/bench/stages.h"
 #include "tests/bench/yardstick.h"

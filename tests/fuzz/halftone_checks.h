@@ -3,7 +3,7 @@
 
 #include "api/halftone/halftone.h"
 #include "api/image/image_codec.h"
-#include "core/halftone/separation.h"
+#include "core/halftone/inks/separation.h"
 #include "tests/fuzz/checks.h"
 
 namespace ccdt::fuzz {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "core/halftone/separation.h"
+#include "core/halftone/inks/separation.h"
 
 namespace ccdt::test {
 

@@ -7,7 +7,7 @@ const side = 96;  // pixels; side of the reduced picture
 
 /**
  * Returns the total area of the dots, divided by the area of the paper, for a coverage. Areas where dots overlap count
- * for each of them (core/halftone/coverage_curve.h).
+ * for each of them (core/halftone/inks/coverage_curve.h).
  */
 const dotsFor = (covered) => covered + 0.6 * Math.max(0, (covered - 0.65) / 0.35) ** 8;
 

@@ -9,7 +9,7 @@
 
 #include "api/input/colour.h"
 #include "core/base/thread_executor.h"
-#include "core/halftone/softening.h"
+#include "core/halftone/dots/softening.h"
 #include "core/picture/srgb.h"
 
 namespace ccdt::api {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "api/image/overlay.h"
-#include "core/halftone/dots.h"
+#include "core/halftone/dots/dots.h"
 
 namespace ccdt::api {
 
