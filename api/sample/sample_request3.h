@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -20,6 +23,7 @@
 #include "api/run/deadline.h"
 #include "api/run/stopwatch.h"
 #include "api/sample/point_format3.h"
+#include "core/points/order/reorder.h"
 
 namespace ccdt::api {
 
@@ -136,6 +140,16 @@ Result<Answer> run_sample3(const Request& request, const Decode& decode, const C
     const auto placed = place_sample3(request, decode, control, timings);
     if (!placed) return tl::unexpected(placed.error());
     return write_answer(request, *placed, *request.format, control, timings, sink);
+}
+
+/// Puts points on a surface or in space into a progressive order, and sets their ranks.
+/// @param order  result of progressive_order_on_surface() or progressive_order_in_space()
+template <class AnyDistribution>
+void set_order(AnyDistribution& dots, std::span<const std::uint32_t> order, const std::stop_token& stop) {
+    reorder(dots, order);
+    dots.ranks.resize(dots.points.size());
+    std::iota(dots.ranks.begin(), dots.ranks.end(), std::uint32_t{0});
+    dots.stopped = dots.stopped || stop.stop_requested();
 }
 
 }  // namespace ccdt::api

@@ -16,7 +16,6 @@
 #include "api/output/stage_costs.h"
 #include "api/run/estimate.h"
 #include "api/run/stopwatch.h"
-#include "api/sample/ordering.h"
 #include "api/sample/voxel_input.h"
 #include "api/surface/obj.h"
 #include "api/text/numbers.h"

@@ -14,7 +14,6 @@
 #include "api/input/polygon_reader.h"
 #include "api/output/stage_costs.h"
 #include "api/run/stopwatch.h"
-#include "api/sample/ordering.h"
 #include "api/text/text.h"
 #include "core/ccdt/volume/distribute_solid.h"
 #include "core/ccdt/volume/solid.h"
