@@ -17,12 +17,12 @@
 #include "api/input/device.h"
 #include "api/input/method.h"
 #include "api/output/formats.h"
-#include "api/sample/pixel_sample.h"
-#include "api/sample/sample_parser.h"
-#include "api/sample/surface_formats.h"
-#include "api/sample/surface_sample.h"
-#include "api/sample/volume_formats.h"
-#include "api/sample/volume_sample.h"
+#include "api/sample/pixels/pixel_sample.h"
+#include "api/sample/plane/sample_parser.h"
+#include "api/sample/spatial/surface_formats.h"
+#include "api/sample/spatial/surface_sample.h"
+#include "api/sample/spatial/volume_formats.h"
+#include "api/sample/spatial/volume_sample.h"
 
 namespace ccdt::api {
 namespace {

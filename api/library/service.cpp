@@ -17,9 +17,9 @@
 #include "api/output/file_writer.h"
 #include "api/output/formats.h"
 #include "api/run/options.h"
-#include "api/sample/pixel_formats.h"
-#include "api/sample/surface_formats.h"
-#include "api/sample/volume_formats.h"
+#include "api/sample/pixels/pixel_formats.h"
+#include "api/sample/spatial/surface_formats.h"
+#include "api/sample/spatial/volume_formats.h"
 #include "api/text/text.h"
 #include "core/library/conversion.h"
 

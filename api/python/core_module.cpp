@@ -26,11 +26,11 @@
 #include "api/python/decode_capsule.h"
 #include "api/python/interruptible.h"
 #include "api/python/png_pixels.h"
-#include "api/sample/pixel_sample.h"
-#include "api/sample/sample.h"
-#include "api/sample/sample_parser.h"
-#include "api/sample/surface_sample.h"
-#include "api/sample/volume_sample.h"
+#include "api/sample/pixels/pixel_sample.h"
+#include "api/sample/plane/sample.h"
+#include "api/sample/plane/sample_parser.h"
+#include "api/sample/spatial/surface_sample.h"
+#include "api/sample/spatial/volume_sample.h"
 #include "api/text/numbers.h"
 
 namespace ccdt::python {

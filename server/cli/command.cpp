@@ -9,9 +9,9 @@
 #include "api/halftone/device_picture.h"
 #include "api/input/negotiation.h"
 #include "api/output/formats.h"
-#include "api/sample/pixel_formats.h"
-#include "api/sample/surface_formats.h"
-#include "api/sample/volume_formats.h"
+#include "api/sample/pixels/pixel_formats.h"
+#include "api/sample/spatial/surface_formats.h"
+#include "api/sample/spatial/volume_formats.h"
 #include "api/text/text.h"
 #include "server/cli/api_schema.h"
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "api/sample/voxel_input.h"
+#include "api/sample/spatial/voxel_input.h"
 #include "api/surface/surface_header.h"
 #include "server/http/http.h"
 

@@ -6,8 +6,8 @@
 
 #include "api/input/file_formats.h"
 #include "api/map/shapefile_reader.h"
-#include "api/sample/sample_cost.h"
-#include "api/sample/voxel_input.h"
+#include "api/sample/plane/sample_cost.h"
+#include "api/sample/spatial/voxel_input.h"
 #include "api/surface/surface_header.h"
 #include "api/text/text.h"
 #include "server/http/http.h"

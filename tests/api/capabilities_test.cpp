@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "api/sample/sample_parser.h"
+#include "api/sample/plane/sample_parser.h"
 #include "tests/api/files.h"
 #include "tests/support/halftone_requests.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/sample/sample_cost.h"
+#include "api/sample/plane/sample_cost.h"
 
 #include <gtest/gtest.h>
 
@@ -16,12 +16,12 @@
 #include "api/halftone/halftone.h"
 #include "api/halftone/halftone_cost.h"
 #include "api/image/png_writer.h"
-#include "api/sample/pixel_sample.h"
-#include "api/sample/sample.h"
-#include "api/sample/sample_parser.h"
-#include "api/sample/surface_sample.h"
-#include "api/sample/threshold_mask.h"
-#include "api/sample/volume_sample.h"
+#include "api/sample/mask/threshold_mask.h"
+#include "api/sample/pixels/pixel_sample.h"
+#include "api/sample/plane/sample.h"
+#include "api/sample/plane/sample_parser.h"
+#include "api/sample/spatial/surface_sample.h"
+#include "api/sample/spatial/volume_sample.h"
 #include "tests/api/files.h"
 #include "tests/api/image/rasters.h"
 #include "tests/support/halftone_requests.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/sample/pixel_sample.h"
+#include "api/sample/pixels/pixel_sample.h"
 
 #include <algorithm>
 #include <vector>

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <optional>
 
-#include "api/sample/sample.h"
-#include "api/sample/sample_cost.h"
-#include "api/sample/sample_parser.h"
-#include "api/sample/threshold_mask.h"
+#include "api/sample/mask/threshold_mask.h"
+#include "api/sample/plane/sample.h"
+#include "api/sample/plane/sample_cost.h"
+#include "api/sample/plane/sample_parser.h"
 #include "tests/fuzz/answer_checks.h"
 #include "tests/fuzz/extreme_pictures.h"
 #include "tests/fuzz/extremes.h"

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "api/sample/surface_sample.h"
-#include "api/sample/volume_sample.h"
+#include "api/sample/spatial/surface_sample.h"
+#include "api/sample/spatial/volume_sample.h"
 #include "tests/fuzz/extremes.h"
 #include "tests/fuzz/sample3_checks.h"
 #include "tests/support/surfaces.h"

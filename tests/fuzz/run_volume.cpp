@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "api/json/json_document.h"
-#include "api/sample/volume_sample.h"
+#include "api/sample/spatial/volume_sample.h"
 #include "tests/fuzz/extremes.h"
 #include "tests/fuzz/sample3_checks.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/sample/sample_parser.h"
+#include "api/sample/plane/sample_parser.h"
 
 #include <algorithm>
 #include <utility>

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "api/sample/sample_request3.h"
+#include "api/sample/spatial/sample_request3.h"
 #include "tests/fuzz/answer_checks.h"
 #include "tests/fuzz/checks.h"
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "api/sample/sample.h"
-#include "api/sample/sample_parser.h"
+#include "api/sample/plane/sample.h"
+#include "api/sample/plane/sample_parser.h"
 
 namespace ccdt::api {
 namespace {

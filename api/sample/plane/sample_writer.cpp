@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "api/sample/plane/sample_writer.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "api/image/overlay.h"
+#include "api/output/formats.h"
+#include "api/output/point_drawing.h"
+#include "api/output/point_set.h"
+#include "api/run/deadline.h"
+#include "core/halftone/inks/overprint.h"
+#include "core/picture/tone.h"
+
+namespace ccdt::api {
+namespace {
+
+/// Colours of classes. People with any kind of colour vision can distinguish them. The first colours have the most
+/// contrast with white. Source: Okabe and Ito.
+constexpr std::array<Colour, kMaxInks> kColours = {
+    {{0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {204, 121, 167}, {230, 159, 0}, {86, 180, 233}}};
+
+/// Returns the inks of the classes, or a single black ink without a name if answers do not name classes.
+Palette palette_of(const SampleRequest& request) {
+    if (!request.counts || !request.counts->are_named) return {};
+    const FeatureCounts& counts = *request.counts;
+    Palette palette{{}, kWhite, Mixing::Multiply};
+    for (std::size_t i = 0; i < counts.classes.size(); ++i) palette.inks.push_back({counts.classes[i], kColours[i]});
+    return palette;
+}
+
+/// Returns the distance that neighbouring sites would have in a square grid, in units of the domain.
+double pitch_of(const Domain& domain, std::size_t sites) {
+    return std::sqrt(domain.area() / static_cast<double>(sites));
+}
+
+/// Returns the radius of the dots, in units of the domain. The radius is at most twice the longer side of the bounding
+/// box; a dot of that size covers the box wherever its centre lies in the box.
+double radius_of(const SampleRequest& request, const Domain& domain) {
+    const double largest = 2 * std::max(domain.bounds().width(), domain.bounds().height());
+    return std::min(request.output.dot.value_or(pitch_of(domain, request.run.sites) / 4), largest);
+}
+
+/// Writes points in the format of a request. Has an operator for each kind of writer that a format can have.
+class Writing {
+public:
+    Writing(const SampleRequest& request, const Page& page, const Report& report, const Palette& palette,
+            const PointSet& points, Body& body, const Control& control)
+        : request_(request),
+          page_(page),
+          report_(report),
+          palette_(palette),
+          points_(points),
+          body_(body),
+          path_stop_(control.stop),
+          stop_(stop_of_writing(control, request.on_deadline)) {}
+
+    Result<void> operator()(const ListWriter& writer) const {
+        writer.write(points_, report_, body_, stop_);
+        return {};
+    }
+
+    Result<void> operator()(const VectorWriter& writer) const {
+        const DrawingOptions& drawing = request_.output.drawing;
+        auto checked = writer.check(drawing, points_.layers.front().radius, page_, request_.field_of("pen"),
+                                    request_.field_of("width_mm"));
+        if (checked) writer.write(points_, palette_, page_, drawing, body_, path_stop_, stop_);
+        return checked;
+    }
+
+    Result<void> operator()(const RasterWriter& writer) const {
+        std::vector<Raster> rasters;
+        for (const InkDots& layer : points_.layers)
+            rasters.push_back(draw_points(layer.dots.points, page_, layer.radius, stop_));
+        auto picture = writer.write(overlay(std::move(rasters), palette_, true, stop_), page_.width_mm, stop_);
+        return std::move(picture).map([&](std::string&& bytes) { body_.text() = std::move(bytes); });
+    }
+
+private:
+    const SampleRequest& request_;
+    const Page& page_;
+    const Report& report_;
+    const Palette& palette_;
+    const PointSet& points_;
+    Body& body_;
+    std::stop_token path_stop_;
+    std::stop_token stop_;
+};
+
+}  // namespace
+
+Result<Page> plan_page(const SampleRequest& request, const PointFormat& format, const Domain& whole,
+                       const Limits& limits) {
+    const auto& [requested, drawing, width, dot, order] = request.output;
+    Page page{whole.bounds(),   true,
+              whole.is_torus(), {},
+              drawing.width_mm, order.value_or(PointOrder::Path) == PointOrder::Path};
+    const Box& box = page.box;
+    const double longer = std::max(box.width(), box.height());
+    const RasterWriter* const pixels = format.raster();
+    const double max_side = pixels == nullptr ? kMaxDrawingSide : std::min<double>(kMaxDrawingSide, pixels->max_side);
+    const double wished =
+        std::clamp(kPixelPitch / pitch_of(whole, request.run.sites), kMinDrawingSide / longer, max_side / longer);
+    const std::size_t most = std::min(limits.max_pixels, static_cast<std::size_t>(kMaxCanvasPixels));
+    page.canvas = canvas_of(box, width ? *width / box.width() : fitting_scale(box, wished, most));
+    const std::string field = request.field_of("width");
+    if (auto checked = format.check_side(page.canvas, "width", field); !checked) return tl::unexpected(checked.error());
+    if (pixels == nullptr || fits(page.canvas, limits.max_pixels)) return page;
+    return failure(ErrorCode::LimitExceeded,
+                   "width makes a picture of " + std::to_string(page.canvas.width) + " x " +
+                       std::to_string(page.canvas.height) + " pixels; this server's limit (max-pixels) is " +
+                       std::to_string(limits.max_pixels),
+                   field);
+}
+
+Result<void> write_sample(const SampleRequest& request, const PointFormat& format, const Domain& whole,
+                          const Page& page, std::span<const ClassDots> dots, const Report& report,
+                          const Control& control, Body& body) {
+    const Palette palette = palette_of(request);
+    std::vector<InkDots> layers;
+    for (std::size_t i = 0; i < dots.size(); ++i)
+        layers.push_back({palette.inks[i], dots[i].dots, radius_of(request, whole), nullptr, dots[i].feature_of});
+    PointSet points{layers};
+    if (request.features) {
+        points.feature_ids = request.features->ids;
+        if (!request.features->carried.of_feature.empty()) points.properties = &request.features->carried;
+    }
+    const Writing writing(request, page, report, palette, points, body, control);
+    auto written = std::visit(writing, format.writer);
+    if (auto going = check_stop(stop_of_writing(control, request.on_deadline)); !going) return going;
+    return written;
+}
+
+}  // namespace ccdt::api
