@@ -9,7 +9,7 @@
 
 #include "api/text/text.h"
 #include "server/http/http.h"
-#include "server/work/digest.h"
+#include "server/requests/digest.h"
 
 namespace ccdt::server {
 namespace {

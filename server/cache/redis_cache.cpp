@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "api/text/text.h"
-#include "server/work/digest.h"
+#include "server/requests/digest.h"
 
 namespace ccdt::server {
 namespace {

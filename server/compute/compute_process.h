@@ -5,7 +5,7 @@
 
 #include "api/decode/decode.h"
 #include "server/compute/compute_protocol.h"
-#include "server/work/computation.h"
+#include "server/requests/computation.h"
 
 namespace ccdt::server {
 

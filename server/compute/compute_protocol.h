@@ -10,7 +10,7 @@
 #include "core/base/result.h"
 #include "core/ccdt/plane/ccdt.h"
 #include "server/processes/unique_fd.h"
-#include "server/work/computation.h"
+#include "server/requests/computation.h"
 
 namespace ccdt::server {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <string>
 
-#include "server/work/thread_share.h"
+#include "server/pool/thread_share.h"
 
 namespace ccdt::server {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "server/config/memory_shares.h"
-#include "server/work/thread_share.h"
+#include "server/pool/thread_share.h"
 
 namespace ccdt::server {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "server/jobs/job.h"
 #include "server/jobs/job_limits.h"
-#include "server/work/fair_queue.h"
+#include "server/pool/fair_queue.h"
 
 namespace ccdt::server {
 

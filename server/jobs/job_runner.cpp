@@ -8,8 +8,8 @@
 #include <mutex>
 #include <utility>
 
-#include "server/work/answer_headers.h"
-#include "server/work/convergence.h"
+#include "server/requests/answer_headers.h"
+#include "server/requests/convergence.h"
 
 namespace ccdt::server {
 namespace {

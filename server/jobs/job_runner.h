@@ -14,8 +14,8 @@
 #include "server/jobs/job_limits.h"
 #include "server/jobs/job_runs.h"
 #include "server/jobs/job_store.h"
-#include "server/work/computation.h"
-#include "server/work/worker_pool.h"
+#include "server/pool/worker_pool.h"
+#include "server/requests/computation.h"
 
 namespace ccdt::server {
 

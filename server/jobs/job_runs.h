@@ -18,7 +18,7 @@
 #include "core/ccdt/plane/ccdt.h"
 #include "server/jobs/job.h"
 #include "server/jobs/job_store.h"
-#include "server/work/worker_pool.h"
+#include "server/pool/worker_pool.h"
 
 namespace ccdt::server {
 

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "server/work/digest.h"
+#include "server/requests/digest.h"
 
 namespace ccdt::server {
 

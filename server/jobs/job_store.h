@@ -9,7 +9,7 @@
 
 #include "core/base/result.h"
 #include "server/jobs/job.h"
-#include "server/work/compute_request.h"
+#include "server/requests/compute_request.h"
 
 namespace ccdt::server {
 

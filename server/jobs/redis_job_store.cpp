@@ -10,7 +10,7 @@
 
 #include "api/text/text.h"
 #include "server/jobs/redis_scripts.h"
-#include "server/work/digest.h"
+#include "server/requests/digest.h"
 
 namespace ccdt::server {
 namespace {

@@ -12,7 +12,7 @@
 #include "server/jobs/job.h"
 #include "server/jobs/job_store.h"
 #include "server/jobs/sqlite.h"
-#include "server/work/compute_request.h"
+#include "server/requests/compute_request.h"
 
 namespace ccdt::server {
 

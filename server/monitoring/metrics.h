@@ -13,8 +13,8 @@
 #include "server/http/capacity.h"
 #include "server/http/http_server.h"
 #include "server/jobs/jobs.h"
+#include "server/pool/worker_pool.h"
 #include "server/redis/redis_client.h"
-#include "server/work/worker_pool.h"
 
 namespace ccdt::server {
 

@@ -8,7 +8,7 @@
 
 #include "api/text/text.h"
 #include "server/http/entity_tag.h"
-#include "server/work/digest.h"
+#include "server/requests/digest.h"
 
 namespace ccdt::server {
 namespace {

@@ -13,12 +13,12 @@
 #include "server/http/compression.h"
 #include "server/http/entity_tag.h"
 #include "server/http/trace.h"
+#include "server/pool/body_pipe.h"
+#include "server/requests/answer_headers.h"
+#include "server/requests/answer_name.h"
+#include "server/requests/convergence.h"
+#include "server/requests/form.h"
 #include "server/routes/job_routes.h"
-#include "server/work/answer_headers.h"
-#include "server/work/answer_name.h"
-#include "server/work/body_pipe.h"
-#include "server/work/convergence.h"
-#include "server/work/form.h"
 
 namespace ccdt::server {
 namespace {

@@ -17,12 +17,12 @@
 #include "server/http/message.h"
 #include "server/http/problem.h"
 #include "server/jobs/jobs.h"
+#include "server/pool/memory_budget.h"
+#include "server/pool/worker_pool.h"
+#include "server/requests/computation.h"
+#include "server/requests/operation.h"
+#include "server/requests/shapefile_request.h"
 #include "server/routes/incoming.h"
-#include "server/work/computation.h"
-#include "server/work/memory_budget.h"
-#include "server/work/operation.h"
-#include "server/work/shapefile_request.h"
-#include "server/work/worker_pool.h"
 
 namespace ccdt::server {
 

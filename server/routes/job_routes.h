@@ -9,7 +9,7 @@
 #include "server/http/message.h"
 #include "server/http/problem.h"
 #include "server/jobs/jobs.h"
-#include "server/work/memory_budget.h"
+#include "server/pool/memory_budget.h"
 
 namespace ccdt::server {
 

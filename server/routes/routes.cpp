@@ -20,7 +20,7 @@
 #include "server/http/hosts.h"
 #include "server/http/http.h"
 #include "server/page/page.h"
-#include "server/work/operation.h"
+#include "server/requests/operation.h"
 
 namespace ccdt::server {
 namespace {

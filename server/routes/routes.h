@@ -16,11 +16,11 @@
 #include "server/http/problem.h"
 #include "server/jobs/jobs.h"
 #include "server/monitoring/metrics.h"
+#include "server/pool/memory_budget.h"
+#include "server/pool/worker_pool.h"
 #include "server/routes/computing.h"
 #include "server/routes/incoming.h"
 #include "server/routes/job_routes.h"
-#include "server/work/memory_budget.h"
-#include "server/work/worker_pool.h"
 
 namespace ccdt::server {
 

@@ -8,9 +8,9 @@
 #include "server/files/file_folder.h"
 #include "server/jobs/redis_job_store.h"
 #include "server/jobs/sqlite_job_store.h"
+#include "server/pool/thread_share.h"
 #include "server/processes/child_program.h"
 #include "server/processes/process.h"
-#include "server/work/thread_share.h"
 
 namespace ccdt::server {
 namespace {

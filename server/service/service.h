@@ -22,10 +22,10 @@
 #include "server/jobs/jobs.h"
 #include "server/monitoring/log.h"
 #include "server/monitoring/metrics.h"
+#include "server/pool/memory_budget.h"
+#include "server/pool/worker_pool.h"
 #include "server/redis/redis_client.h"
 #include "server/routes/routes.h"
-#include "server/work/memory_budget.h"
-#include "server/work/worker_pool.h"
 
 namespace ccdt::server {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "server/http/http.h"
-#include "server/work/form.h"
+#include "server/requests/form.h"
 #include "tests/fuzz/checks.h"
 
 namespace ccdt::fuzz {

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "server/access/signed_url.h"
-#include "server/work/digest.h"
+#include "server/requests/digest.h"
 #include "tests/fuzz/checks.h"
 
 namespace ccdt::fuzz {

@@ -3,7 +3,7 @@
 
 #include "api/decode/decode.h"
 #include "api/run/options.h"
-#include "server/work/computation.h"
+#include "server/requests/computation.h"
 
 namespace ccdt::server::test {
 

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "server/work/digest.h"
+#include "server/requests/digest.h"
 
 namespace ccdt::server {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/work/digest.h"
+#include "server/requests/digest.h"
 
 namespace ccdt::server {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "core/base/result.h"
 #include "server/http/multipart.h"
-#include "server/work/compute_request.h"
+#include "server/requests/compute_request.h"
 
 namespace ccdt::server {
 

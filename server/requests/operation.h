@@ -7,7 +7,7 @@
 #include "api/operation/parsed_request.h"
 #include "api/run/options.h"
 #include "core/base/result.h"
-#include "server/work/compute_request.h"
+#include "server/requests/compute_request.h"
 
 namespace ccdt::server {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/work/operation.h"
+#include "server/requests/operation.h"
 
 #include <algorithm>
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/work/form.h"
+#include "server/requests/form.h"
 
 #include <string>
 #include <utility>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/work/convergence.h"
+#include "server/requests/convergence.h"
 
 #include "api/text/numbers.h"
 

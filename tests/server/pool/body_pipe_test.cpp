@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/work/body_pipe.h"
+#include "server/pool/body_pipe.h"
 
 #include <gtest/gtest.h>
 

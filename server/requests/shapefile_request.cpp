@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/work/shapefile_request.h"
+#include "server/requests/shapefile_request.h"
 
 #include <utility>
 

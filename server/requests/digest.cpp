@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/work/digest.h"
+#include "server/requests/digest.h"
 
 #include <algorithm>
 #include <array>

@@ -13,7 +13,7 @@
 
 #include "api/run/options.h"
 #include "core/base/result.h"
-#include "server/work/memory_budget.h"
+#include "server/pool/memory_budget.h"
 
 namespace ccdt::server {
 

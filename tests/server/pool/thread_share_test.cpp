@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/work/thread_share.h"
+#include "server/pool/thread_share.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/work/worker_pool.h"
+#include "server/pool/worker_pool.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

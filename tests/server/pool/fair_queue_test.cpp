@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/work/fair_queue.h"
+#include "server/pool/fair_queue.h"
 
 #include <gtest/gtest.h>
 

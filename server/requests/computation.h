@@ -9,7 +9,7 @@
 #include "api/run/options.h"
 #include "core/base/result.h"
 #include "core/ccdt/plane/ccdt.h"
-#include "server/work/compute_request.h"
+#include "server/requests/compute_request.h"
 
 namespace ccdt::server {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/work/answer_name.h"
+#include "server/requests/answer_name.h"
 
 #include <string>
 
 #include "server/http/http.h"
-#include "server/work/digest.h"
+#include "server/requests/digest.h"
 
 namespace ccdt::server {
 std::string name_of_answer(const ComputeRequest& request, const std::vector<FormPart>& fields,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/work/worker_pool.h"
+#include "server/pool/worker_pool.h"
 
 #include <algorithm>
 #include <cassert>
@@ -9,7 +9,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "server/work/thread_share.h"
+#include "server/pool/thread_share.h"
 
 namespace ccdt::server {
 namespace {

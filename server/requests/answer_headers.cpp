@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/work/answer_headers.h"
+#include "server/requests/answer_headers.h"
 
 #include "api/text/numbers.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/work/memory_budget.h"
+#include "server/pool/memory_budget.h"
 
 namespace ccdt::server {
 

@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "api/run/options.h"
-#include "server/work/fair_queue.h"
-#include "server/work/memory_budget.h"
+#include "server/pool/fair_queue.h"
+#include "server/pool/memory_budget.h"
 
 namespace ccdt::server {
 

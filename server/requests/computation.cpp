@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/work/computation.h"
+#include "server/requests/computation.h"
 
 #include <chrono>
 #include <optional>
@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "server/http/compression.h"
-#include "server/work/operation.h"
+#include "server/requests/operation.h"
 
 namespace ccdt::server {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/work/answer_name.h"
+#include "server/requests/answer_name.h"
 
 #include <set>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "server/work/form.h"
+#include "server/requests/form.h"
 
 namespace ccdt::server {
 namespace {
