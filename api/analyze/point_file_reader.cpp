@@ -60,7 +60,7 @@ public:
     const std::vector<std::string>& fields() const { return fields_; }
 
     /// Beginning of messages about the current record.
-    std::string place() const { return "line " + std::to_string(line_); }
+    std::string position() const { return "line " + std::to_string(line_); }
 
 private:
     /// Reads a field up to the comma or the line break after it.
@@ -75,7 +75,7 @@ private:
         rest_.remove_prefix(1);
         while (true) {
             const auto quote = rest_.find('"');
-            if (quote == std::string_view::npos) return wrong(place() + ": a quoted field has no end");
+            if (quote == std::string_view::npos) return wrong(position() + ": a quoted field has no end");
             field += rest_.substr(0, quote);
             rest_.remove_prefix(quote + 1);
             if (!rest_.starts_with('"')) break;
@@ -85,7 +85,7 @@ private:
         next_line_ += static_cast<std::size_t>(std::ranges::count(field, '\n'));
         if (rest_.starts_with("\r\n")) rest_.remove_prefix(1);
         if (rest_.empty() || rest_.front() == ',' || rest_.front() == '\n') return {};
-        return wrong(place() + ": there is text after a quoted field");
+        return wrong(position() + ": there is text after a quoted field");
     }
 
     std::string_view rest_;
@@ -120,7 +120,7 @@ Result<double> read_ordinate(const CsvReader& reader, Column column) {
     const std::string& text = reader.fields()[column.index];
     const auto number = parse_number<double>(text);
     if (!number || !std::isfinite(*number))
-        return wrong(reader.place() + ": " + std::string(column.name) + " must be a finite number, not '" +
+        return wrong(reader.position() + ": " + std::string(column.name) + " must be a finite number, not '" +
                      excerpt(text) + "'");
     return *number;
 }
@@ -138,7 +138,7 @@ Result<std::vector<P>> read_csv(std::string_view text, const Limits& limits) {
         if (!more) return tl::unexpected(more.error());
         if (!*more) return points;
         if (reader.fields().size() != count)
-            return wrong(reader.place() + " has " + std::to_string(reader.fields().size()) +
+            return wrong(reader.position() + " has " + std::to_string(reader.fields().size()) +
                          " columns; the first line has " + std::to_string(count));
         std::array<double, kAxes<P>> ordinates{};
         for (std::size_t axis = 0; axis < ordinates.size(); ++axis) {

@@ -194,18 +194,18 @@ private:
         if (plan_.radius) radius = *plan_.radius * plan_.canvas.scale;
         const bool antialias = request_.antialias || request_.format->raster() == nullptr;
         const DotOptions options{radius, plan_.cover[ink], antialias, plan_.samples};
-        return draw_dots(canvas_places(inks_[ink].dots.points), plan_.canvas, options, stop_, executor_);
+        return draw_dots(canvas_positions(inks_[ink].dots.points), plan_.canvas, options, stop_, executor_);
     }
 
     /// Stretches points so that, multiplied by the scale of the canvas, the corners of the picture become exactly the
     /// corners of the canvas.
-    std::vector<Point> canvas_places(std::span<const Point> points) const {
+    std::vector<Point> canvas_positions(std::span<const Point> points) const {
         const auto [width, height, scale] = plan_.canvas;
         const double across = width / (scale * plan_.picture.width), down = height / (scale * plan_.picture.height);
-        std::vector<Point> places;
-        places.reserve(points.size());
-        for (const Point& point : points) places.push_back({across * point.x, down * point.y});
-        return places;
+        std::vector<Point> positions;
+        positions.reserve(points.size());
+        for (const Point& point : points) positions.push_back({across * point.x, down * point.y});
+        return positions;
     }
 
     const HalftoneRequest& request_;

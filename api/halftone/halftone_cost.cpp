@@ -69,8 +69,8 @@ double planned_cells(const HalftoneRequest& request, double sites) {
     if (request.fit == Fit::Cover || (request.dot && !request.sites)) {
         // Upper bound. There are about 50 cells per dot. Cells less than two pixels wide are replaced by pixels, of
         // which there are up to four times as many.
-        constexpr double kCellsPerDot = 200, kFewest = 64 * 64;
-        return std::min(pixels, kCellsPerDot * sites + kFewest);
+        constexpr double kCellsPerDot = 200, kMin = 64 * 64;
+        return std::min(pixels, kCellsPerDot * sites + kMin);
     }
     const double radius = std::sqrt(kDrawnShare * pixels / (std::numbers::pi * std::max(sites, 1.0)));
     const CellGrid cells = resolved_cells(static_cast<int>(header.width), static_cast<int>(header.height), radius);
@@ -281,12 +281,12 @@ std::size_t largest_answer(const HalftoneRequest& request, const Limits& limits)
 
 std::size_t usual_sites(const HalftoneRequest& request, PictureSize part, double ink, double fineness,
                         const Limits& limits) {
-    constexpr double kMaxSeconds = 2, kFewest = 4096, kMany = 1e6;
+    constexpr double kMaxSeconds = 2, kMin = 4096, kMany = 1e6;
     // Time per dot for a thin picture, relative to other pictures. The mesh of a thin picture is mostly border.
     constexpr double kThin = 4;
     const double in_time = kMaxSeconds / placing_cost(request, kMany).seconds * kMany;
     const auto max_dots_in = [&](double dots) {
-        const auto most = static_cast<std::size_t>(std::max(dots, kFewest));
+        const auto most = static_cast<std::size_t>(std::max(dots, kMin));
         const std::size_t limit = std::min(most, limits.max_sites);
         if (!request.on_screen) return default_sites(ink, fineness, limit);
         const Canvas canvas = *settled_canvas(request, part, limits);

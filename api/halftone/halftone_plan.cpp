@@ -87,12 +87,12 @@ double rough_radius(const HalftoneRequest& request, PictureSize size, double ink
 /// Returns the cells in which a picture is separated: as fine as dots can show. The field of a drawing has no use for
 /// cells that are smaller than the drawing's pixels.
 CellGrid separation_cells(const HalftoneRequest& request, PictureSize size, double radius, const Limits& limits) {
-    constexpr int kFewest = 64;  // least number along a side
+    constexpr int kMin = 64;  // least number along a side
     CellGrid cells = resolved_cells(size.width, size.height, radius);
     const auto canvas = settled_canvas(request, size, limits);
     if (request.dots == Dots::Both && request.format->raster() != nullptr && canvas) {
-        cells.columns = std::min(cells.columns, std::max(canvas->width, kFewest));
-        cells.rows = std::min(cells.rows, std::max(canvas->height, kFewest));
+        cells.columns = std::min(cells.columns, std::max(canvas->width, kMin));
+        cells.rows = std::min(cells.rows, std::max(canvas->height, kMin));
     }
     return cells;
 }

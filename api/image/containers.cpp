@@ -182,9 +182,9 @@ TiffDirectory::TiffDirectory(std::string_view bytes, std::size_t begin)
       reader_(bytes, bytes.starts_with("MM")),
       is_big_(reader_.read(2, 2) == 43U),
       word_(is_big_ ? 8 : 4) {
-    constexpr std::size_t kMost = 65'535;  // entries, as many as a classic TIFF can have
+    constexpr std::size_t kMax = 65'535;  // entries, as many as a classic TIFF can have
     const auto entries = integer(begin, is_big_ ? 8 : 2);
-    if (begin == 0 || !entries || *entries > kMost) return;
+    if (begin == 0 || !entries || *entries > kMax) return;
     begin_ = begin;
     entries_ = *entries;
 }
@@ -223,8 +223,8 @@ std::optional<std::uint32_t> TiffDirectory::number(std::uint32_t tag, std::uint3
     if (size == 8 && type != kLong8) return std::nullopt;
     const auto count = integer(*entry + 4, word_);
     if (!count || index >= *count) return std::nullopt;
-    const std::size_t place = *entry + 4 + word_;
-    const auto values = *count <= word_ / size ? place : integer(place, word_);
+    const std::size_t position = *entry + 4 + word_;
+    const auto values = *count <= word_ / size ? position : integer(position, word_);
     const auto value = values ? integer(*values + index * size, size) : std::nullopt;
     return value && *value <= kLargest ? std::optional(static_cast<std::uint32_t>(*value)) : std::nullopt;
 }

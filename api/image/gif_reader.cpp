@@ -35,7 +35,7 @@ int read_bytes(GifFileType* file, GifByteType* to, int size) {
 }
 
 struct Frame {
-    GifImageDesc place{};                     ///< the frame's rectangle in the picture
+    GifImageDesc position{};                  ///< the frame's rectangle in the picture
     std::array<GifColorType, 256> palette{};  ///< colours that are missing from the file are black
     int transparent = NO_TRANSPARENT_COLOR;
     std::vector<std::uint8_t> pixels;
@@ -43,23 +43,23 @@ struct Frame {
 
 /// Decodes all rows of a frame. In an interlaced file, the rows are stored in four passes.
 bool read_pixels(GifFileType& file, Frame& frame) {
-    const auto width = static_cast<std::size_t>(frame.place.Width);
-    frame.pixels.resize(width * static_cast<std::size_t>(frame.place.Height));
+    const auto width = static_cast<std::size_t>(frame.position.Width);
+    frame.pixels.resize(width * static_cast<std::size_t>(frame.position.Height));
     const auto read_rows = [&](int begin, int step) {
-        for (int y = begin; y < frame.place.Height; y += step) {
+        for (int y = begin; y < frame.position.Height; y += step) {
             GifByteType* const row = frame.pixels.data() + static_cast<std::size_t>(y) * width;
-            if (DGifGetLine(&file, row, frame.place.Width) == GIF_ERROR) return false;
+            if (DGifGetLine(&file, row, frame.position.Width) == GIF_ERROR) return false;
         }
         return true;
     };
-    if (!frame.place.Interlace) return read_rows(0, 1);
+    if (!frame.position.Interlace) return read_rows(0, 1);
     return read_rows(0, 8) && read_rows(4, 8) && read_rows(2, 4) && read_rows(1, 2);
 }
 
 bool read_frame(GifFileType& file, const ImageHeader& header, Frame& frame) {
     if (DGifGetImageDesc(&file) == GIF_ERROR) return false;
-    frame.place = file.Image;
-    const auto& [left, top, width, height, interlaced, own_palette] = frame.place;
+    frame.position = file.Image;
+    const auto& [left, top, width, height, interlaced, own_palette] = frame.position;
     const ColorMapObject* const palette = own_palette != nullptr ? own_palette : file.SColorMap;
     file.SWidth = std::max(file.SWidth, left + width);
     file.SHeight = std::max(file.SHeight, top + height);
@@ -95,12 +95,12 @@ bool find_frame(GifFileType& file, const ImageHeader& header, Frame& frame) {
 
 /// Writes a row of the picture: red, green and blue, and alpha if there are four channels.
 void write_row(const Frame& frame, int y, int width, std::size_t channels, std::uint8_t* to) {
-    const GifImageDesc& place = frame.place;
+    const GifImageDesc& position = frame.position;
     std::fill_n(to, static_cast<std::size_t>(width) * channels, std::uint8_t{0});
-    if (y < place.Top || y >= place.Top + place.Height) return;
-    const auto row = static_cast<std::size_t>(y - place.Top) * static_cast<std::size_t>(place.Width);
-    to += static_cast<std::size_t>(place.Left) * channels;
-    for (std::size_t i = row; i < row + static_cast<std::size_t>(place.Width); ++i, to += channels) {
+    if (y < position.Top || y >= position.Top + position.Height) return;
+    const auto row = static_cast<std::size_t>(y - position.Top) * static_cast<std::size_t>(position.Width);
+    to += static_cast<std::size_t>(position.Left) * channels;
+    for (std::size_t i = row; i < row + static_cast<std::size_t>(position.Width); ++i, to += channels) {
         if (frame.pixels[i] == frame.transparent) continue;
         const auto& [red, green, blue] = frame.palette[frame.pixels[i]];
         to[0] = red;
@@ -120,9 +120,9 @@ Result<RowSource> open_gif(std::string_view bytes, const ImageHeader& header) {
     RowSource source;
     source.width = file->SWidth;
     source.height = file->SHeight;
-    const GifImageDesc& place = frame->place;
+    const GifImageDesc& position = frame->position;
     const bool covers =
-        place.Left == 0 && place.Top == 0 && place.Width >= source.width && place.Height >= source.height;
+        position.Left == 0 && position.Top == 0 && position.Width >= source.width && position.Height >= source.height;
     source.channels = covers && frame->transparent == NO_TRANSPARENT_COLOR ? 3 : 4;
     source.alpha = source.channels == 4 ? 3 : -1;
     source.read = [frame, width = source.width, channels = static_cast<std::size_t>(source.channels)](

@@ -24,7 +24,7 @@ public:
     explicit InkJpeg(std::string_view bytes) : bytes_(bytes) {
         decoder_.err = jpeg_std_error(&errors_.manager);
         errors_.manager.error_exit = [](j_common_ptr decoder) {
-            std::longjmp(reinterpret_cast<Errors*>(decoder->err)->place, 1);
+            std::longjmp(reinterpret_cast<Errors*>(decoder->err)->position, 1);
         };
         errors_.manager.output_message = [](j_common_ptr) {};
     }
@@ -34,7 +34,7 @@ public:
     InkJpeg& operator=(const InkJpeg&) = delete;
 
     bool open() {
-        if (setjmp(errors_.place) != 0) return false;
+        if (setjmp(errors_.position) != 0) return false;
         jpeg_create_decompress(&decoder_);
         jpeg_mem_src(&decoder_, reinterpret_cast<const unsigned char*>(bytes_.data()), bytes_.size());
         jpeg_read_header(&decoder_, TRUE);
@@ -45,7 +45,7 @@ public:
     }
 
     bool read(int count, std::uint8_t* rows) {
-        if (setjmp(errors_.place) != 0) return false;
+        if (setjmp(errors_.position) != 0) return false;
         for (int i = 0; i < count; ++i) {
             JSAMPROW row = rows + static_cast<std::size_t>(i) * row_size();
             if (jpeg_read_scanlines(&decoder_, &row, 1) != 1) return false;
@@ -60,7 +60,7 @@ public:
 private:
     struct Errors {
         jpeg_error_mgr manager;  // must be the first member: libjpeg has a pointer to it
-        std::jmp_buf place;
+        std::jmp_buf position;
     };
 
     std::size_t row_size() const { return std::size_t{decoder_.output_width} * kInks; }

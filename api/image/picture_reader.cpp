@@ -30,7 +30,7 @@ struct Placement {
 };
 
 /// @param orientation  orientation of EXIF, 1 to 8; other values are treated as 1, upright
-Placement place(Size file, int orientation) {
+Placement position(Size file, int orientation) {
     if (orientation < 1 || orientation > 8) orientation = 1;
     const bool turned = orientation >= 5;
     const Size size = turned ? Size{file.height, file.width} : file;
@@ -351,7 +351,7 @@ template <class AnyDraft, class Sample>
 Result<PictureOf<AnyDraft>> read_pixels(const RowSource& source, const Encoding& encoding, const NewPlane& make_plane) {
     const SampleReader<Sample> reader(encoding);
     const Size size{static_cast<std::uint64_t>(source.width), static_cast<std::uint64_t>(source.height)};
-    const Placement placement = place(size, source.orientation);
+    const Placement placement = position(size, source.orientation);
     const int step = std::min(source.step, source.height);
     const std::size_t row_size = static_cast<std::size_t>(source.width) * static_cast<std::size_t>(source.channels);
     std::vector<Sample> rows(static_cast<std::size_t>(step) * row_size);
@@ -378,13 +378,13 @@ template <int kSide, class AnyDraft, class Sample>
 Result<PictureOf<AnyDraft>> read_means(const RowSource& source, const Encoding& encoding, const NewPlane& make_plane) {
     const SampleReader<Sample> reader(encoding);
     const auto width = static_cast<std::uint64_t>(source.width), height = static_cast<std::uint64_t>(source.height);
-    const Placement placement = place({width / kSide, height / kSide}, source.orientation);
+    const Placement placement = position({width / kSide, height / kSide}, source.orientation);
     const int step = std::min(source.step, source.height);
     const std::size_t row_size = static_cast<std::size_t>(source.width) * static_cast<std::size_t>(source.channels);
     std::vector<Sample> rows(static_cast<std::size_t>(step) * row_size);
 
     const AnyDraft draft(placement.size, false, make_plane);
-    const Placement in_squares = place({width, kSide}, 1);
+    const Placement in_squares = position({width, kSide}, 1);
     const AnyDraft squares(in_squares.size, false, new_plane);
     for (int begin = 0; begin < source.height; begin += std::min(step, source.height - begin)) {
         const int end = begin + std::min(step, source.height - begin);

@@ -26,7 +26,7 @@ using Type = TiffPixels::Type;
 /// A file in memory, as libtiff reads it.
 struct InputFile {
     std::string_view bytes;
-    std::size_t place = 0;
+    std::size_t position = 0;
     bool is_damaged = false;  ///< whether libjpeg has reported a fault of which it only warns
 };
 
@@ -36,10 +36,10 @@ InputFile& file_of(thandle_t handle) {
 
 tmsize_t read(thandle_t handle, void* target, tmsize_t size) {
     InputFile& file = file_of(handle);
-    if (file.place > file.bytes.size()) return 0;
-    const std::string_view part = file.bytes.substr(file.place, static_cast<std::size_t>(size));
+    if (file.position > file.bytes.size()) return 0;
+    const std::string_view part = file.bytes.substr(file.position, static_cast<std::size_t>(size));
     std::memcpy(target, part.data(), part.size());
-    file.place += part.size();
+    file.position += part.size();
     return static_cast<tmsize_t>(part.size());
 }
 
@@ -49,8 +49,8 @@ tmsize_t refuse_to_write(thandle_t, void*, tmsize_t) {
 
 toff_t seek(thandle_t handle, toff_t offset, int whence) {
     InputFile& file = file_of(handle);
-    const std::size_t base = whence == SEEK_CUR ? file.place : whence == SEEK_END ? file.bytes.size() : 0;
-    return file.place = base + offset;
+    const std::size_t base = whence == SEEK_CUR ? file.position : whence == SEEK_END ? file.bytes.size() : 0;
+    return file.position = base + offset;
 }
 
 int close(thandle_t) {
@@ -409,7 +409,7 @@ public:
         std::vector<const std::uint8_t*> from(planes_.size());
         for (std::size_t block = 0; block < across_; ++block) {
             for (std::size_t plane = 0; plane < planes_.size(); ++plane)
-                from[plane] = place_of(plane, block) + y % rows_ * row_bytes_;
+                from[plane] = position_of(plane, block) + y % rows_ * row_bytes_;
             const std::size_t x = block * columns_;
             convert(from, std::min(columns_, width_ - x), to + x * pixel_size);
         }
@@ -439,7 +439,7 @@ private:
         return {};
     }
 
-    std::uint8_t* place_of(std::size_t plane, std::size_t block) {
+    std::uint8_t* position_of(std::size_t plane, std::size_t block) {
         return band_.data() + (plane * across_ + block) * std::min(rows_, height_) * row_bytes_;
     }
 
@@ -456,7 +456,7 @@ private:
 
     bool load_block(std::size_t y, std::size_t block, std::size_t plane) {
         const std::size_t rows = std::min(rows_, height_ - y);
-        std::uint8_t* const to = place_of(plane, block);
+        std::uint8_t* const to = position_of(plane, block);
         const auto row = static_cast<std::uint32_t>(y);
         if (!is_tiled_ && !is_subsampled()) {
             const auto size = static_cast<tmsize_t>(rows * row_bytes_);

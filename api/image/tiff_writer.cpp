@@ -22,7 +22,7 @@ constexpr double kMillimetresPerInch = 25.4;
 
 struct MemoryFile {
     std::string bytes;
-    std::size_t place = 0;
+    std::size_t position = 0;
 };
 
 MemoryFile& file_of(thandle_t handle) {
@@ -31,10 +31,10 @@ MemoryFile& file_of(thandle_t handle) {
 
 tmsize_t read(thandle_t handle, void* target, tmsize_t size) {
     MemoryFile& file = file_of(handle);
-    const std::size_t rest = file.bytes.size() - std::min(file.place, file.bytes.size());
+    const std::size_t rest = file.bytes.size() - std::min(file.position, file.bytes.size());
     const std::size_t count = std::min(rest, static_cast<std::size_t>(size));
     std::memcpy(target, file.bytes.data() + file.bytes.size() - rest, count);
-    file.place += count;
+    file.position += count;
     return static_cast<tmsize_t>(count);
 }
 
@@ -42,19 +42,19 @@ tmsize_t write(thandle_t handle, void* source, tmsize_t size) {
     MemoryFile& file = file_of(handle);
     const auto count = static_cast<std::size_t>(size);
     try {
-        if (file.bytes.size() < file.place + count) file.bytes.resize(file.place + count);
+        if (file.bytes.size() < file.position + count) file.bytes.resize(file.position + count);
     } catch (const std::exception&) {
         return 0;
     }
-    std::memcpy(file.bytes.data() + file.place, source, count);
-    file.place += count;
+    std::memcpy(file.bytes.data() + file.position, source, count);
+    file.position += count;
     return size;
 }
 
 toff_t seek(thandle_t handle, toff_t offset, int whence) {
     MemoryFile& file = file_of(handle);
-    const std::size_t base = whence == SEEK_CUR ? file.place : whence == SEEK_END ? file.bytes.size() : 0;
-    return file.place = base + offset;
+    const std::size_t base = whence == SEEK_CUR ? file.position : whence == SEEK_END ? file.bytes.size() : 0;
+    return file.position = base + offset;
 }
 
 int close(thandle_t) {

@@ -122,9 +122,9 @@ Result<std::vector<Input>> read_list(const Input& input, std::size_t most, std::
     }
     auto text = read_text(input);
     if (!text) return malformed(input, "must be a string or an array");
-    auto left = text->empty() ? 0 : static_cast<std::size_t>(std::ranges::count(*text, ',')) + 1;
-    if (left > most) return members;
-    for (; left > 0; --left) {
+    auto remaining = text->empty() ? 0 : static_cast<std::size_t>(std::ranges::count(*text, ',')) + 1;
+    if (remaining > most) return members;
+    for (; remaining > 0; --remaining) {
         const std::string name = input.name + ": " + std::string(one) + ' ' + std::to_string(members.size() + 1);
         members.push_back({name, input.field, trim(take_until(*text, ","))});
     }

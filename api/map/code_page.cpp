@@ -114,18 +114,18 @@ std::string CodePage::to_utf8(std::string_view text) const {
     std::string rest(text);
     iconv(converter_.get(), nullptr, nullptr, nullptr, nullptr);
     char* from = rest.data();
-    std::size_t left = rest.size();
-    while (left > 0) {
+    std::size_t remaining = rest.size();
+    while (remaining > 0) {
         std::array<char, 1024> piece{};
         char* to = piece.data();
         std::size_t space = piece.size();
-        const bool is_done = iconv(converter_.get(), &from, &left, &to, &space) != static_cast<std::size_t>(-1);
+        const bool is_done = iconv(converter_.get(), &from, &remaining, &to, &space) != static_cast<std::size_t>(-1);
         const bool is_wrong = !is_done && errno != E2BIG;
         converted.append(piece.data(), piece.size() - space);
         if (!is_wrong) continue;
         converted += kReplacement;
         ++from;
-        --left;
+        --remaining;
     }
     return converted;
 }

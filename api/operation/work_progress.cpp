@@ -74,9 +74,9 @@ double WorkProgress::moving() const {
 
 /// Returns the estimated share of the decoding of a picture in the whole computation.
 double WorkProgress::share_of(std::string_view file, const Reading& reading) const {
-    constexpr double kMost = 0.9;
+    constexpr double kMax = 0.9;
     const auto header = read_image_header(file, reading.max_pixels);
-    return header ? std::min(decoding_cost({file, *header}).seconds / seconds_, kMost) : 0;
+    return header ? std::min(decoding_cost({file, *header}).seconds / seconds_, kMax) : 0;
 }
 
 void WorkProgress::run(std::size_t count, const std::function<void(std::size_t)>& task) {
@@ -90,12 +90,12 @@ void WorkProgress::run(std::size_t count, const std::function<void(std::size_t)>
 /// Reports the estimated progress of the current step, unless the latest report is recent.
 void WorkProgress::move() {
     constexpr std::chrono::milliseconds kInterval{100};
-    constexpr double kLeast = 1e-3;  // seconds
+    constexpr double kMin = 1e-3;  // seconds
     const auto now = Clock::now();
     if (now - reported_ < kInterval) return;
-    const double left = next_ - reached_;
+    const double remaining = next_ - reached_;
     const std::chrono::duration<double> elapsed = now - since_;
-    report(reached_ + left * (1 - std::exp(-elapsed.count() / std::max(left * seconds_, kLeast))));
+    report(reached_ + remaining * (1 - std::exp(-elapsed.count() / std::max(remaining * seconds_, kMin))));
 }
 
 /// Begins the next step.

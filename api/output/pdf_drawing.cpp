@@ -164,11 +164,11 @@ void draw_pen(const Plot& plot, const Pen& pen, PdfPage& page) {
         for (const PenRun& run : pen.runs) trace(plot, pen, run, strokes);
         return strokes.draw();
     }
-    const PageMapping place(plot.page, plot.page.unit());
+    const PageMapping position(plot.page, plot.page.unit());
     for (const PenRun& run : pen.runs) {
         const std::size_t count = run.path.size();
         for (std::size_t i = 0; i < count && page.should_continue(); ++i) {
-            page.disc(place(run.points[run.path[i]]), pen.radius);
+            page.disc(position(run.points[run.path[i]]), pen.radius);
             if ((i + 1) % kChunk == 0 || i + 1 == count) page.fill(pen.colour);
         }
     }

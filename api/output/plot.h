@@ -100,11 +100,11 @@ Plot plot_of(const PointSet& points, const Page& page, const DrawingOptions& dra
 template <class Medium>
 void trace(const Plot& plot, const Pen& pen, const PenRun& run, Medium& medium) {
     constexpr std::size_t kCheckInterval = 1'000;
-    const PageMapping place(plot.page, plot.page.unit());
+    const PageMapping position(plot.page, plot.page.unit());
     const bool joined = plot.style == DotStyle::Path;
     for (std::size_t i = 0; i < run.path.size(); ++i) {
         if (i % kCheckInterval == 0 && !medium.should_continue()) return;
-        const Point centre = place(run.points[run.path[i]]);
+        const Point centre = position(run.points[run.path[i]]);
         if (joined && i > 0) {
             medium.line_to(centre);
         } else {

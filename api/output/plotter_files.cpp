@@ -199,20 +199,20 @@ public:
     void line_to(Point at) {
         if (is_touch_) {
             write("0\nPOLYLINE\n8\n", layer_, "\n66\n1\n10\n0\n20\n0\n30\n0\n70\n0\n");
-            place("VERTEX", start_);
+            position("VERTEX", start_);
         }
-        place("VERTEX", at);
+        position("VERTEX", at);
         is_touch_ = false;
     }
 
     void end() {
         if (!is_touch_) return write("0\nSEQEND\n8\n", layer_, "\n");
-        place(is_filled_ ? "CIRCLE" : "POINT", start_);
+        position(is_filled_ ? "CIRCLE" : "POINT", start_);
         if (is_filled_) write("40\n", radius_, "\n");
     }
 
 private:
-    void place(std::string_view entity, Point at) {
+    void position(std::string_view entity, Point at) {
         const Point p = upright(at);
         write("0\n", entity, "\n8\n", layer_, "\n10\n", p.x, "\n20\n", p.y, "\n30\n0\n");
     }

@@ -239,9 +239,9 @@ private:
     int decimals_;
 };
 
-std::vector<Point> placed(std::span<const Point> points, const PageMapping& place) {
+std::vector<Point> placed(std::span<const Point> points, const PageMapping& position) {
     std::vector<Point> result(points.size());
-    std::transform(points.begin(), points.end(), result.begin(), place);
+    std::transform(points.begin(), points.end(), result.begin(), position);
     return result;
 }
 
@@ -264,8 +264,8 @@ void add_copies(std::vector<Point>& dots, Point size, double radius) {
 /// @param paper  paper below the dots; null: none
 void draw(const Plot& plot, const Pen& pen, const PenRun& run, std::span<const std::uint32_t> ranks,
           const Colour* paper, DotDocument& document, const std::stop_token& stop) {
-    const PageMapping place(plot.page, document.unit());
-    const PlacedPath dots(run.points, ranks, run.path, place);
+    const PageMapping position(plot.page, document.unit());
+    const PlacedPath dots(run.points, ranks, run.path, position);
     document.describe(run.points.size(), pen.radius, dots.length(), document.unit() * path_length(run.points),
                       plot.page.width_mm ? " mm" : "");
     if (paper != nullptr) document.paper(*paper);
@@ -343,13 +343,13 @@ void draw_areas(const InkAreas& areas, const Palette& palette, const Page& page,
     DotDocument document(page, sites, areas.are_named() ? kLayers : "", body);
     const double pixels = page.box.width() * page.box.height() / static_cast<double>(std::max<std::size_t>(sites, 1));
     const double unit = of_two_digits(kPart * std::sqrt(pixels) * document.unit());
-    const PageMapping place(page, document.unit() / unit);
+    const PageMapping position(page, document.unit() / unit);
     document.describe(sites);
     const std::vector<std::string> labels = pen_labels(areas.inks);
     document.paper(palette.paper);
     for (std::size_t i = 0; i < areas.inks.size() && !stop.stop_requested(); ++i) {
         PathData data;
-        trace_rings(areas.rings[i], page.box, place, data);
+        trace_rings(areas.rings[i], page.box, position, data);
         if (areas.are_named()) document.begin_layer(i + 1, labels[i], blend_of(palette));
         document.area(data.take(), unit, areas.inks[i].colour);
         if (areas.are_named()) document.end_layer();

@@ -138,7 +138,7 @@ struct View {
     bool holds(Point p) const {
         return p.x >= shown.min.x && p.x <= shown.max.x && p.y >= shown.min.y && p.y <= shown.max.y;
     }
-    Point place(Point p) const {
+    Point position(Point p) const {
         return {centre.x + scale * (p.x - middle(shown.min.x, shown.max.x)),
                 centre.y - scale * (p.y - middle(shown.min.y, shown.max.y))};
     }
@@ -164,9 +164,9 @@ void draw_points(SvgDrawing& svg, std::span<const Point> points, Point sides, do
     const View view = view_of(std::min(1.0, most / std::max(1.0, static_cast<double>(points.size()))), sides, panel);
     std::vector<Point> dots;
     for (const Point& p : points) {
-        if (view.holds(p)) dots.push_back(view.place(p));
+        if (view.holds(p)) dots.push_back(view.position(p));
     }
-    const Point low = view.place(view.shown.min), high = view.place(view.shown.max);
+    const Point low = view.position(view.shown.min), high = view.position(view.shown.max);
     const Box frame{{low.x, high.y}, {high.x, low.y}};
     svg.begin_clip(frame);
     svg.dots(dots, std::clamp(0.18 * view.scale / unit, 0.8, 5.0));

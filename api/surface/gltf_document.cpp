@@ -12,7 +12,7 @@
 namespace ccdt::api {
 namespace {
 
-constexpr std::size_t kMost = std::size_t{1} << 32;
+constexpr std::size_t kMax = std::size_t{1} << 32;
 constexpr std::string_view kData = "data:";
 
 std::size_t components_of(std::string_view shape) {
@@ -107,7 +107,7 @@ Result<GltfDocument> GltfDocument::parse(std::string_view bytes, SurfaceFormat f
                                         "samplers", "scenes", "skins", "textures"})
         gltf.arrays_.push_back({name, list(member(gltf.root(), name))});
     for (const JsonValue accessor : gltf.array("accessors"))
-        gltf.counts_.push_back(index(member(accessor, "count"), kMost));
+        gltf.counts_.push_back(index(member(accessor, "count"), kMax));
     gltf.buffers_.resize(gltf.array("buffers").size());
     if (const auto checked = gltf.check(); !checked) return tl::unexpected(checked.error());
     return gltf;
@@ -217,7 +217,7 @@ Result<std::string_view> GltfDocument::buffer(std::size_t index) const {
     } else if (index > 0) {
         return wrong(name + " has no data");
     }
-    const auto size = GltfDocument::index(member(object, "byteLength"), kMost);
+    const auto size = GltfDocument::index(member(object, "byteLength"), kMax);
     if (!size || *size > bytes.size())
         return wrong(name + " has " + std::to_string(bytes.size()) + " bytes, fewer than it announces");
     return bytes.substr(0, *size);
@@ -228,8 +228,8 @@ Result<std::string_view> GltfDocument::view(Value value) const {
     const auto at = index(member(found, "buffer"), array("buffers").size());
     if (!at) return wrong("an accessor or an image has no valid buffer");
     return buffer(*at).and_then([&](std::string_view bytes) -> Result<std::string_view> {
-        const auto length = index(member(found, "byteLength"), kMost);
-        const std::size_t offset = index(member(found, "byteOffset"), kMost).value_or(0);
+        const auto length = index(member(found, "byteLength"), kMax);
+        const std::size_t offset = index(member(found, "byteOffset"), kMax).value_or(0);
         if (!length || offset > bytes.size() || *length > bytes.size() - offset)
             return wrong("buffer view " + std::to_string(static_cast<std::size_t>(value->number())) +
                          " exceeds its buffer");
@@ -245,7 +245,7 @@ Result<GltfAccessor> GltfDocument::accessor(Value value, std::optional<std::size
     GltfAccessor accessor;
     accessor.count_ = this->count(value).value_or(0);
     accessor.components_ = components_of(text(member(object, "type")));
-    accessor.type_ = static_cast<std::uint32_t>(index(member(object, "componentType"), kMost).value_or(0));
+    accessor.type_ = static_cast<std::uint32_t>(index(member(object, "componentType"), kMax).value_or(0));
     const auto normalised = member(object, "normalized");
     accessor.is_normalised_ = normalised && normalised->is_boolean() && normalised->boolean();
     const std::size_t element = accessor.components_ * accessor.component_size();
@@ -255,8 +255,8 @@ Result<GltfAccessor> GltfDocument::accessor(Value value, std::optional<std::size
     if (const auto view_index = member(object, "bufferView")) {
         const auto bytes = view(view_index);
         if (!bytes) return tl::unexpected(bytes.error());
-        const auto stride = index(member(this->element("bufferViews", view_index), "byteStride"), kMost);
-        const std::size_t offset = index(member(object, "byteOffset"), kMost).value_or(0);
+        const auto stride = index(member(this->element("bufferViews", view_index), "byteStride"), kMax);
+        const std::size_t offset = index(member(object, "byteOffset"), kMax).value_or(0);
         accessor.stride_ = std::max(stride.value_or(0), element);
         const std::size_t needed = accessor.count_ == 0 ? 0 : (accessor.count_ - 1) * accessor.stride_ + element;
         if (offset > bytes->size() || needed > bytes->size() - offset) return wrong(name + " exceeds its buffer view");
@@ -280,21 +280,21 @@ Result<GltfAccessor> GltfDocument::accessor(Value value, std::optional<std::size
 Result<void> GltfDocument::replace_elements(JsonValue sparse, GltfAccessor& accessor) const {
     const auto part = [&](std::string_view name) -> Result<std::string_view> {
         return view(member(sparse, name, "bufferView")).map([&](std::string_view bytes) {
-            const std::size_t offset = index(member(sparse, name, "byteOffset"), kMost).value_or(0);
+            const std::size_t offset = index(member(sparse, name, "byteOffset"), kMax).value_or(0);
             return bytes.substr(std::min(offset, bytes.size()));
         });
     };
-    const auto places = part("indices"), values = part("values");
-    if (!places) return tl::unexpected(places.error());
+    const auto positions = part("indices"), values = part("values");
+    if (!positions) return tl::unexpected(positions.error());
     if (!values) return tl::unexpected(values.error());
     const std::size_t count = index(member(sparse, "count"), accessor.count_ + 1).value_or(0);
     GltfAccessor indices;
-    indices.bytes_ = *places;
-    indices.type_ = static_cast<std::uint32_t>(index(member(sparse, "indices", "componentType"), kMost).value_or(0));
+    indices.bytes_ = *positions;
+    indices.type_ = static_cast<std::uint32_t>(index(member(sparse, "indices", "componentType"), kMax).value_or(0));
     indices.stride_ = indices.component_size();
     const std::size_t element = accessor.stride_;
     if (!indices.is_whole()) return wrong("the indices of a sparse accessor are not whole numbers");
-    if (indices.stride_ == 0 || places->size() / indices.stride_ < count || values->size() / element < count)
+    if (indices.stride_ == 0 || positions->size() / indices.stride_ < count || values->size() / element < count)
         return wrong("a sparse accessor exceeds its buffer view");
     for (std::size_t i = 0; i < count; ++i) {
         const double to = indices.at(i, 0);
@@ -310,8 +310,8 @@ std::string GltfDocument::bytes_of_image(JsonValue image) const {
     const auto view = element("bufferViews", member(image, "bufferView"));
     const auto buffer = element("buffers", member(view, "buffer"));
     if (!buffer) return {};
-    const std::size_t offset = index(member(view, "byteOffset"), kMost).value_or(0);
-    const std::size_t length = index(member(view, "byteLength"), kMost).value_or(0);
+    const std::size_t offset = index(member(view, "byteOffset"), kMax).value_or(0);
+    const std::size_t length = index(member(view, "byteLength"), kMax).value_or(0);
     const auto data = data_of(text(member(buffer, "uri")));
     if (!data) return std::string(binary_.substr(std::min(offset, binary_.size()), length));
     // Decodes only the groups of four characters that hold the image.

@@ -49,7 +49,7 @@ private:
     /// An index of a corner that must be checked at the end, because it may refer to a later statement.
     struct Largest {
         std::uint32_t index = 0;
-        FacePlace place;
+        FacePlace position;
     };
     using Colour = std::array<double, 3>;
 
@@ -58,12 +58,12 @@ private:
     static constexpr Colour kNoColour{kNaN, kNaN, kNaN};
 
     tl::unexpected<Error> wrong(const std::string& reason) const {
-        return unusable_surface(SurfaceFormat::Obj, words_.place() + reason);
+        return unusable_surface(SurfaceFormat::Obj, words_.position() + reason);
     }
 
-    static tl::unexpected<Error> wrong_corner(std::string_view word, const FacePlace& place, std::string_view why) {
+    static tl::unexpected<Error> wrong_corner(std::string_view word, const FacePlace& position, std::string_view why) {
         return unusable_surface(SurfaceFormat::Obj,
-                                place.text() + " has the corner " + quoted(word) + ", which " + std::string(why));
+                                position.text() + " has the corner " + quoted(word) + ", which " + std::string(why));
     }
 
     Result<void> read_statement(std::string_view word) {
@@ -146,17 +146,17 @@ private:
     }
 
     Result<void> read_face() {
-        const FacePlace place{faces_++, words_.line()};
+        const FacePlace position{faces_++, words_.line()};
         std::vector<std::array<std::uint32_t, 2>>& corners = corners_;
         const std::size_t first = corners.size();
         std::size_t size = 0;
         bool ends_in_slash = false;  // whether the corner before does
         for (std::string_view word = words_.next_in_line(); !word.empty(); word = words_.next_in_line(), ++size) {
             if constexpr (Sink::kReads) {
-                if (auto right = read_corner(word, place); !right) return right;
+                if (auto right = read_corner(word, position); !right) return right;
                 const bool has_slash = word.find('/') != std::string_view::npos;
                 if (ends_in_slash && !has_slash)
-                    return wrong_corner(word, place, "follows a slash and a blank, so it may be another number");
+                    return wrong_corner(word, position, "follows a slash and a blank, so it may be another number");
                 ends_in_slash = word.ends_with('/');
             }
         }
@@ -164,24 +164,24 @@ private:
             numbers_.clear();
             for (std::size_t i = first; i < corners.size(); ++i) numbers_.push_back(static_cast<std::uint32_t>(i));
             if (size < 3) corners.resize(first);
-            return sink_.face(numbers_, place);
+            return sink_.face(numbers_, position);
         } else {
             if (size > 2) sink_.need(2 * sizeof(corners[0]) * size);
             for (std::size_t i = 0; size > 2 && i < size; ++i) sink_.vertex({}, 0);
-            return sink_.face(size, place);
+            return sink_.face(size, position);
         }
     }
 
     /// Reads a corner: the number of a vertex and, after slashes, of texture coordinates and a normal.
-    Result<void> read_corner(std::string_view word, const FacePlace& place) {
+    Result<void> read_corner(std::string_view word, const FacePlace& position) {
         std::string_view rest = word;
-        const auto vertex = resolve(take_until(rest, "/"), positions_.size(), place, largest_vertex_);
+        const auto vertex = resolve(take_until(rest, "/"), positions_.size(), position, largest_vertex_);
         const std::string_view second = take_until(rest, "/");
-        if (!vertex) return wrong_corner(word, place, "refers to no vertex");
+        if (!vertex) return wrong_corner(word, position, "refers to no vertex");
         auto texture = kNone;
         if (!second.empty()) {
-            const auto found = resolve(second, texture_.size(), place, largest_texture_);
-            if (!found) largest_texture_ = {kNone, place};
+            const auto found = resolve(second, texture_.size(), position, largest_texture_);
+            if (!found) largest_texture_ = {kNone, position};
             texture = found.value_or(kNone);
         }
         corners_.push_back({*vertex, texture});
@@ -189,27 +189,27 @@ private:
     }
 
     /// Returns the index of a number that counts from 1, or backwards from the last statement with -1.
-    static std::optional<std::uint32_t> resolve(std::string_view word, std::size_t size, const FacePlace& place,
+    static std::optional<std::uint32_t> resolve(std::string_view word, std::size_t size, const FacePlace& position,
                                                 Largest& largest) {
         if (word.starts_with('+')) word.remove_prefix(1);
         const auto number = parse_number<std::int64_t>(word);
         if (!number || *number == 0 || *number > static_cast<std::int64_t>(kNone)) return std::nullopt;
         const std::int64_t index = *number > 0 ? *number - 1 : static_cast<std::int64_t>(size) + *number;
         if (index < 0) return std::nullopt;
-        if (index >= largest.index) largest = {static_cast<std::uint32_t>(index), place};
+        if (index >= largest.index) largest = {static_cast<std::uint32_t>(index), position};
         return static_cast<std::uint32_t>(index);
     }
 
     Result<void> add_corners() {
         if (!corners_.empty() && largest_vertex_.index >= positions_.size())
-            return unusable_surface(SurfaceFormat::Obj, largest_vertex_.place.text() + " refers to vertex " +
+            return unusable_surface(SurfaceFormat::Obj, largest_vertex_.position.text() + " refers to vertex " +
                                                             std::to_string(std::uint64_t{largest_vertex_.index} + 1) +
                                                             ", but there are only " +
                                                             std::to_string(positions_.size()));
         const bool has_texture = largest_texture_.index < texture_.size();
-        if (!has_texture && largest_texture_.place.line > 0)
+        if (!has_texture && largest_texture_.position.line > 0)
             sink_.warn("texture coordinates are ignored, because faces refer to missing ones",
-                       largest_texture_.place.text());
+                       largest_texture_.position.text());
         if (!colours_.empty()) colours_.resize(positions_.size(), kNoColour);
         for (const auto& [vertex, texture] : corners_) {
             const auto found = std::ranges::lower_bound(not_finite_, std::pair(vertex, std::size_t{0}));

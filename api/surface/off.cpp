@@ -74,7 +74,7 @@ Result<Header> read_header(std::string_view text) {
     word = words.next();
     const auto faces = parse_number<std::uint32_t>(word);
     if (!vertices || !faces)
-        return wrong(words.place() + "the numbers of vertices and faces do not follow the keyword");
+        return wrong(words.position() + "the numbers of vertices and faces do not follow the keyword");
     const bool has_edges = !words.next_in_line().empty();
     return Header{*keyword, *vertices, *faces, has_edges, words.line() > line, words};
 }
@@ -101,7 +101,7 @@ public:
             if (auto right = read_face(i); !right) return right;
         }
         if (const std::string_view word = words_.next(); !word.empty())
-            return wrong(words_.place() + "there is " + quoted(word) + " after the last face");
+            return wrong(words_.position() + "there is " + quoted(word) + " after the last face");
         return {};
     }
 
@@ -111,7 +111,7 @@ private:
         if (!Sink::kReads && !word.empty()) return 0;
         if (const auto number = number_in(word)) return *number;
         return wrong(
-            words_.place() + std::string(element) + ' ' + std::to_string(i) +
+            words_.position() + std::string(element) + ' ' + std::to_string(i) +
             (word.empty() ? " is incomplete, because the file ends" : " has " + quoted(word) + " instead of a number"));
     }
 
@@ -127,12 +127,12 @@ private:
         more_.clear();
         const std::size_t needed =
             (keyword_.has_colours ? 4 : 0) + (keyword_.has_texture ? 2 : 0) + (keyword_.has_usual_order ? 0 : 3);
-        constexpr std::size_t kMost = 9;
-        while (layout_.has_rows ? more_.size() <= kMost : more_.size() < needed) {
+        constexpr std::size_t kMax = 9;
+        while (layout_.has_rows ? more_.size() <= kMax : more_.size() < needed) {
             const std::string_view word = layout_.has_rows ? words_.next_in_line() : words_.next();
             if (layout_.has_rows && word.empty()) break;
             const auto number = Sink::kReads ? number_in(word) : word.empty() ? std::nullopt : std::optional(0.0);
-            if (!number) return wrong(words_.place() + "vertex " + std::to_string(i) + " has an invalid colour");
+            if (!number) return wrong(words_.position() + "vertex " + std::to_string(i) + " has an invalid colour");
             more_.push_back(*number);
         }
         return add_properties(i, needed);
@@ -142,11 +142,11 @@ private:
     Result<void> add_properties(std::uint32_t i, std::size_t needed) {
         const bool lacks_alpha = keyword_.has_colours && more_.size() + 1 == needed;
         if (needed > 0 && more_.size() != needed && !lacks_alpha)
-            return wrong(words_.place() + "vertex " + std::to_string(i) +
+            return wrong(words_.position() + "vertex " + std::to_string(i) +
                          " has not as many numbers as the keyword states");
         if (needed == 0 && !more_.empty()) {
             if (more_.size() < 3 || more_.size() > 4)
-                return wrong(words_.place() + "vertex " + std::to_string(i) + " has further numbers");
+                return wrong(words_.position() + "vertex " + std::to_string(i) + " has further numbers");
             sink_.warn("numbers after the positions of vertices are ignored", "vertex " + std::to_string(i));
             return {};
         }
@@ -162,30 +162,30 @@ private:
 
     Result<void> read_face(std::uint32_t i) {
         const std::string_view word = words_.next();
-        const FacePlace place{i, words_.line()};
+        const FacePlace position{i, words_.line()};
         const auto size = parse_number<std::uint32_t>(word);
         if (!size)
             return wrong(word.empty() ? "it ends before face " + std::to_string(i)
-                                      : place.text() + " begins with " + quoted(word) + " instead of its size");
+                                      : position.text() + " begins with " + quoted(word) + " instead of its size");
         corners_.clear();
         for (std::uint32_t k = 0; k < *size; ++k) {
             const std::string_view corner = words_.next();
             const auto index = Sink::kReads || corner.empty() ? parse_number<std::uint32_t>(corner) : 0;
             if (!index)
-                return wrong(place.text() + (corner.empty() ? " is incomplete, because the file ends"
-                                                            : " refers to vertex " + quoted(corner)));
+                return wrong(position.text() + (corner.empty() ? " is incomplete, because the file ends"
+                                                               : " refers to vertex " + quoted(corner)));
             if constexpr (Sink::kReads) corners_.push_back(*index);
         }
         if (layout_.has_rows) {
-            constexpr int kMost = 4;
+            constexpr int kMax = 4;
             for (int colour = 0; !words_.next_in_line().empty(); ++colour) {
-                if (colour == kMost) return wrong(place.text() + " has too many numbers");
+                if (colour == kMax) return wrong(position.text() + " has too many numbers");
             }
         }
         if constexpr (Sink::kReads)
-            return sink_.face(corners_, place);
+            return sink_.face(corners_, position);
         else
-            return sink_.face(*size, place);
+            return sink_.face(*size, position);
     }
 
     const Keyword& keyword_;

@@ -85,12 +85,13 @@ public:
     std::size_t line() const { return 0; }
     /// Whether the last number was missing because the file ends.
     static bool is_at_end() { return true; }
-    std::string place() const { return "byte " + std::to_string(at_); }
+    std::string position() const { return "byte " + std::to_string(at_); }
 
     /// Reports what follows the last element.
     template <class Sink>
     Result<void> finish(Sink& sink) const {
-        if (at_ != bytes_.size()) sink.warn("bytes after the last element are ignored", place(), bytes_.size() - at_);
+        if (at_ != bytes_.size())
+            sink.warn("bytes after the last element are ignored", position(), bytes_.size() - at_);
         return {};
     }
 
@@ -120,13 +121,13 @@ public:
 
     std::size_t line() const { return words_.line(); }
     bool is_at_end() const { return word_.empty(); }
-    std::string place() const { return "line " + std::to_string(words_.line()); }
+    std::string position() const { return "line " + std::to_string(words_.line()); }
 
     template <class Sink>
     Result<void> finish(Sink&) {
         word_ = words_.next();
         if (word_.empty()) return {};
-        return unusable_surface(SurfaceFormat::Ply, place() + ": there is " + quoted(word_) +
+        return unusable_surface(SurfaceFormat::Ply, position() + ": there is " + quoted(word_) +
                                                         " after the last element; do its rows have more numbers than "
                                                         "the header announces?");
     }
@@ -189,9 +190,10 @@ public:
 
 private:
     tl::unexpected<Error> wrong(const PlyElement& element, std::uint64_t row, std::string_view reason) const {
-        return unusable_surface(SurfaceFormat::Ply, numbers_.place() + ": " + std::string(element.name.substr(0, 30)) +
-                                                        ' ' + std::to_string(row) + " of " +
-                                                        std::to_string(element.count) + ' ' + std::string(reason));
+        return unusable_surface(SurfaceFormat::Ply, numbers_.position() + ": " +
+                                                        std::string(element.name.substr(0, 30)) + ' ' +
+                                                        std::to_string(row) + " of " + std::to_string(element.count) +
+                                                        ' ' + std::string(reason));
     }
 
     /// Returns the error of a number that is missing or invalid.
@@ -279,10 +281,10 @@ private:
         const auto count = read_count(element, property, row);
         if (!count) return tl::unexpected(count.error());
         const bool is_strip = element.name == "tristrips";
-        const FacePlace place{row, numbers_.line()};
+        const FacePlace position{row, numbers_.line()};
         if constexpr (!Sink::kReads) {
             if (!is_strip) {
-                if (numbers_.skip(property.type, *count)) return sink_.face(static_cast<std::size_t>(*count), place);
+                if (numbers_.skip(property.type, *count)) return sink_.face(static_cast<std::size_t>(*count), position);
                 return wrong(element, row, "is incomplete, because the file ends");
             }
         }
@@ -291,7 +293,7 @@ private:
             const auto index = numbers_.next(property.type);
             if (!index) return missing(element, row);
             if (is_strip && *index == -1) {
-                if (auto right = add_strip(place); !right) return right;
+                if (auto right = add_strip(position); !right) return right;
                 corners_.clear();
             } else if (*index >= 0 && *index == std::floor(*index) && *index < 0xFFFFFFFF) {
                 corners_.push_back(static_cast<std::uint32_t>(*index));
@@ -299,15 +301,15 @@ private:
                 return wrong(element, row, "refers to an invalid vertex");
             }
         }
-        return is_strip ? add_strip(place) : sink_.face(corners_, place);
+        return is_strip ? add_strip(position) : sink_.face(corners_, position);
     }
 
     /// Adds the triangles of a strip. Those that only connect two parts have two equal corners.
-    Result<void> add_strip(const FacePlace& place) {
+    Result<void> add_strip(const FacePlace& position) {
         for (std::size_t i = 2; i < corners_.size(); ++i) {
             const std::uint32_t a = corners_[i - 2 + i % 2], b = corners_[i - 1 - i % 2], c = corners_[i];
             if (a == b || b == c || c == a) continue;
-            if (auto right = sink_.face(std::array{a, b, c}, place); !right) return right;
+            if (auto right = sink_.face(std::array{a, b, c}, position); !right) return right;
         }
         return {};
     }

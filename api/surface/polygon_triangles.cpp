@@ -61,9 +61,9 @@ public:
     void clip(Function&& triangle) {
         for (std::uint32_t i = 0; i < at_.size(); ++i) is_ear_[i] = is_ear(i);
         std::uint32_t i = 0;
-        for (std::size_t left = at_.size(); left > 3; --left) {
+        for (std::size_t remaining = at_.size(); remaining > 3; --remaining) {
             // In a polygon that intersects itself there may be no ear.
-            for (std::size_t tried = 0; tried < left && !is_ear_[i]; ++tried) i = next_[i];
+            for (std::size_t tried = 0; tried < remaining && !is_ear_[i]; ++tried) i = next_[i];
             const std::uint32_t before = previous_[i], after = next_[i];
             triangle(before, i, after);
             next_[before] = after;

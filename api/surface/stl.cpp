@@ -74,7 +74,7 @@ public:
 private:
     tl::unexpected<Error> wrong(std::string_view expected, std::string_view found) const {
         return unusable_surface(SurfaceFormat::StlText,
-                                words_.place() + (found.empty() ? "the file ends" : quoted(found)) + " instead of " +
+                                words_.position() + (found.empty() ? "the file ends" : quoted(found)) + " instead of " +
                                     std::string(expected) + ", in facet " + std::to_string(facets_));
     }
 
@@ -98,7 +98,7 @@ private:
     }
 
     Result<void> read_facet() {
-        const FacePlace place{facets_, words_.line()};
+        const FacePlace position{facets_, words_.line()};
         std::string_view word = words_.next();
         while (!word.empty() && !is_keyword(word, "outer")) word = words_.next();  // the normal
         if (word.empty()) return wrong("outer loop", word);
@@ -118,7 +118,7 @@ private:
         if (!is_keyword(word, "endloop") || corners_.size() < 3) return wrong("vertex", word);
         ++facets_;
         if (auto end = expect("endfacet"); !end) return end;
-        return sink_.face(corners_, place);
+        return sink_.face(corners_, position);
     }
 
     Words words_;

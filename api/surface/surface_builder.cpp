@@ -14,9 +14,9 @@ namespace {
 
 constexpr float kNoColour = std::numeric_limits<float>::quiet_NaN();
 
-tl::unexpected<Error> too_many_corners(SurfaceFormat format, const FacePlace& place) {
+tl::unexpected<Error> too_many_corners(SurfaceFormat format, const FacePlace& position) {
     return unusable_surface(format,
-                            place.text() + " has more than " + std::to_string(kMaxCorners) + " corners, the limit");
+                            position.text() + " has more than " + std::to_string(kMaxCorners) + " corners, the limit");
 }
 
 bool is_finite(Point3 p) {
@@ -25,10 +25,10 @@ bool is_finite(Point3 p) {
 
 }  // namespace
 
-Result<void> SurfaceCounter::face(std::size_t corners, const FacePlace& place) {
+Result<void> SurfaceCounter::face(std::size_t corners, const FacePlace& position) {
     size_.triangles += corners > 2 ? corners - 2 : 0;
     size_.bytes += corners > 3 ? 8 : 0;
-    if (corners > kMaxCorners) return too_many_corners(format_, place);
+    if (corners > kMaxCorners) return too_many_corners(format_, position);
     return {};
 }
 
@@ -62,16 +62,16 @@ void SurfaceBuilder::texture(const std::array<double, 2>& at) {
     set_last(soup_.texture, {}, {static_cast<float>(at[0]), static_cast<float>(at[1])});
 }
 
-Result<void> SurfaceBuilder::face(std::span<const std::uint32_t> corners, const FacePlace& place) {
+Result<void> SurfaceBuilder::face(std::span<const std::uint32_t> corners, const FacePlace& position) {
     if (corners.size() < 3) {
-        warn("faces with fewer than three corners are ignored", place.text());
+        warn("faces with fewer than three corners are ignored", position.text());
         return {};
     }
-    if (corners.size() > kMaxCorners) return too_many_corners(format_, place);
+    if (corners.size() > kMaxCorners) return too_many_corners(format_, position);
     const std::uint32_t largest = *std::ranges::max_element(corners);
     if (largest > largest_) {
         largest_ = largest;
-        largest_at_ = place;
+        largest_at_ = position;
     }
     const auto first = static_cast<std::uint32_t>(soup_.triangles.size());
     for (std::size_t i = 2; i < corners.size(); ++i)

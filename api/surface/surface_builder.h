@@ -59,10 +59,10 @@ public:
     void warn(const char*, std::string, std::size_t = 1) {}
 
     /// Counts the triangles of a polygon. Errors: Unusable for too many corners.
-    Result<void> face(std::span<const std::uint32_t> corners, const FacePlace& place) {
-        return face(corners.size(), place);
+    Result<void> face(std::span<const std::uint32_t> corners, const FacePlace& position) {
+        return face(corners.size(), position);
     }
-    Result<void> face(std::size_t corners, const FacePlace& place);
+    Result<void> face(std::size_t corners, const FacePlace& position);
 
     /// Adds memory that reading needs.
     void need(std::uint64_t bytes) { size_.bytes += bytes; }
@@ -93,7 +93,7 @@ public:
     void texture(const std::array<double, 2>& at);
     /// Adds a polygon. Faces with fewer than three corners are ignored, with a warning.
     /// @param corners  indices of vertices
-    Result<void> face(std::span<const std::uint32_t> corners, const FacePlace& place);
+    Result<void> face(std::span<const std::uint32_t> corners, const FacePlace& position);
     /// Counts something that is ignored.
     /// @param what    calls with the same text are counted together
     /// @param where   its place, if it is the first one

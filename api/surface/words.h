@@ -31,7 +31,7 @@ public:
     std::size_t line() const { return line_; }
 
     /// Returns the place of the last word for an error message, such as "line 7: ".
-    std::string place() const { return "line " + std::to_string(line_) + ": "; }
+    std::string position() const { return "line " + std::to_string(line_) + ": "; }
 
 private:
     void take_line_end();

@@ -143,9 +143,9 @@ bool is_wkb(std::string_view bytes) {
 std::string_view kind_of_xml(std::string_view text) {
     constexpr std::size_t kSearched = 4096;
     const std::string small = in_small_letters(text.substr(0, kSearched));
-    const auto place = [&](const Element& element) { return small.find(element.mark); };
-    const Element& first = *std::ranges::min_element(kElements, {}, place);
-    return place(first) == std::string::npos ? "XML" : first.name;
+    const auto position = [&](const Element& element) { return small.find(element.mark); };
+    const Element& first = *std::ranges::min_element(kElements, {}, position);
+    return position(first) == std::string::npos ? "XML" : first.name;
 }
 
 /// Whether a text has the same separator at least once in each of its first two lines.

@@ -31,8 +31,8 @@ pocketfft::stride_t strides(std::size_t apart, std::size_t step) {
 
 template <int kType>
 void transform_cosine(const LineSet& lines, double* values) {
-    const auto places = strides<double>(lines.apart, lines.step);
-    pocketfft::dct(shape_of(lines), places, places, {kAlong}, kType, values, values, 1.0, false);
+    const auto positions = strides<double>(lines.apart, lines.step);
+    pocketfft::dct(shape_of(lines), positions, positions, {kAlong}, kType, values, values, 1.0, false);
 }
 
 void transform_real(const LineSet& lines, const double* values, std::size_t apart, std::complex<double>* coefficients) {
@@ -48,8 +48,8 @@ void transform_real_back(const LineSet& lines, double* values, std::size_t apart
 
 template <bool kForward>
 void transform_complex(const LineSet& lines, std::complex<double>* values) {
-    const auto places = strides<std::complex<double>>(lines.apart, lines.step);
-    pocketfft::c2c(shape_of(lines), places, places, {kAlong}, kForward, values, values, 1.0);
+    const auto positions = strides<std::complex<double>>(lines.apart, lines.step);
+    pocketfft::c2c(shape_of(lines), positions, positions, {kAlong}, kForward, values, values, 1.0);
 }
 
 constexpr LineTransforms kLineTransforms{

@@ -15,7 +15,7 @@ std::vector<Part> Bisection::parts_of(const Domain& domain, const Triangulation&
         add({{{0, 0}, end, {0, end.y}}});
         return parts;
     }
-    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) add(mesh.places(t));
+    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) add(mesh.positions(t));
     return parts;
 }
 

@@ -58,7 +58,7 @@ bool EqualCells::sweep(const std::stop_token& stop) {
         // If a sample is nearer to another site, its distance from its own site is more than half the distance between
         // the two sites.
         tree.within(sites_[i], 2 * radii_[i], nearby);
-        for (const auto& [j, place] : nearby) {
+        for (const auto& [j, position] : nearby) {
             if (j == i || (!has_changed_lately(i) && !has_changed_lately(j))) continue;
             const Point way = images_.shortest(sites_[j] - sites_[i]);
             const bool had = j < i && dot(way, way) <= 4 * radii_[j] * radii_[j];

@@ -79,7 +79,7 @@ bool SiteMesh::is_sound() const {
     constexpr double kMinShape = 1e-6;  // doubled area relative to the longest edge squared
     constexpr double kMaxCoordinate = 1.25;
     for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t) {
-        const auto [a, b, c] = mesh_.places(t);
+        const auto [a, b, c] = mesh_.positions(t);
         const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
         if (!(cross(b - a, c - a) > kMinShape * longest)) return false;
     }

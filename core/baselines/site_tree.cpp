@@ -34,9 +34,9 @@ SiteTree::SiteTree(std::span<const Point> sites, const PeriodicImages& images)
 }
 
 void SiteTree::build(std::size_t node, std::uint32_t begin, std::uint32_t end) {
-    Box box{sites_[begin].place, sites_[begin].place};
+    Box box{sites_[begin].position, sites_[begin].position};
     for (std::uint32_t i = begin; i < end; ++i) {
-        const Point p = sites_[i].place;
+        const Point p = sites_[i].position;
         box.min = {std::min(box.min.x, p.x), std::min(box.min.y, p.y)};
         box.max = {std::max(box.max.x, p.x), std::max(box.max.y, p.y)};
     }
@@ -44,11 +44,11 @@ void SiteTree::build(std::size_t node, std::uint32_t begin, std::uint32_t end) {
     if (is_leaf(node)) return;
     const std::uint32_t middle = begin + (end - begin) / 2;
     const bool wide = box.width() > box.height();
-    std::nth_element(sites_.begin() + begin, sites_.begin() + middle, sites_.begin() + end,
-                     [wide](const Found& a, const Found& b) {
-                         const double first = wide ? a.place.x : a.place.y, second = wide ? b.place.x : b.place.y;
-                         return first != second ? first < second : a.site < b.site;
-                     });
+    std::nth_element(
+        sites_.begin() + begin, sites_.begin() + middle, sites_.begin() + end, [wide](const Found& a, const Found& b) {
+            const double first = wide ? a.position.x : a.position.y, second = wide ? b.position.x : b.position.y;
+            return first != second ? first < second : a.site < b.site;
+        });
     build(2 * node + 1, begin, middle);
     build(2 * node + 2, middle, end);
 }
@@ -67,47 +67,48 @@ void SiteTree::for_each_copy(Visit&& visit) const {
     }
 }
 
-std::optional<SiteTree::Found> SiteTree::nearest(Point place) const {
+std::optional<SiteTree::Found> SiteTree::nearest(Point position) const {
     double best = std::numeric_limits<double>::infinity();
     std::optional<Found> found;
-    for_each_copy([&](Point shift) { improve(0, place - shift, shift, best, found); });
+    for_each_copy([&](Point shift) { improve(0, position - shift, shift, best, found); });
     return found;
 }
 
-void SiteTree::improve(std::size_t node, Point place, Point shift, double& best, std::optional<Found>& found) const {
+void SiteTree::improve(std::size_t node, Point position, Point shift, double& best, std::optional<Found>& found) const {
     const Node& here = nodes_[node];
-    if (here.left == 0 || squared_distance(here.box, place) >= best) return;
+    if (here.remaining == 0 || squared_distance(here.box, position) >= best) return;
     if (!is_leaf(node)) {
         const std::size_t first = 2 * node + 1;
-        const bool swap = squared_distance(nodes_[first + 1].box, place) < squared_distance(nodes_[first].box, place);
-        improve(swap ? first + 1 : first, place, shift, best, found);
-        improve(swap ? first : first + 1, place, shift, best, found);
+        const bool swap =
+            squared_distance(nodes_[first + 1].box, position) < squared_distance(nodes_[first].box, position);
+        improve(swap ? first + 1 : first, position, shift, best, found);
+        improve(swap ? first : first + 1, position, shift, best, found);
         return;
     }
     for (std::uint32_t slot = here.begin; slot < here.end; ++slot) {
-        const double distance = squared_distance(sites_[slot].place, place);
+        const double distance = squared_distance(sites_[slot].position, position);
         if (hidden_[slot] || distance >= best) continue;
         best = distance;
-        found = Found{sites_[slot].site, sites_[slot].place + shift};
+        found = Found{sites_[slot].site, sites_[slot].position + shift};
     }
 }
 
-void SiteTree::within(Point place, double distance, std::vector<Found>& found) const {
+void SiteTree::within(Point position, double distance, std::vector<Found>& found) const {
     found.clear();
-    for_each_copy([&](Point shift) { collect(0, place - shift, shift, distance * distance, found); });
+    for_each_copy([&](Point shift) { collect(0, position - shift, shift, distance * distance, found); });
 }
 
-void SiteTree::collect(std::size_t node, Point place, Point shift, double limit, std::vector<Found>& found) const {
+void SiteTree::collect(std::size_t node, Point position, Point shift, double limit, std::vector<Found>& found) const {
     const Node& here = nodes_[node];
-    if (squared_distance(here.box, place) > limit) return;
+    if (squared_distance(here.box, position) > limit) return;
     if (!is_leaf(node)) {
-        collect(2 * node + 1, place, shift, limit, found);
-        collect(2 * node + 2, place, shift, limit, found);
+        collect(2 * node + 1, position, shift, limit, found);
+        collect(2 * node + 2, position, shift, limit, found);
         return;
     }
     for (std::uint32_t slot = here.begin; slot < here.end; ++slot) {
-        if (squared_distance(sites_[slot].place, place) > limit) continue;
-        found.push_back({sites_[slot].site, sites_[slot].place + shift});
+        if (squared_distance(sites_[slot].position, position) > limit) continue;
+        found.push_back({sites_[slot].site, sites_[slot].position + shift});
     }
 }
 
@@ -115,7 +116,7 @@ void SiteTree::hide(std::uint32_t site) {
     const std::uint32_t slot = slot_of_[site];
     hidden_[slot] = true;
     for (std::size_t node = 0;;) {
-        --nodes_[node].left;
+        --nodes_[node].remaining;
         if (is_leaf(node)) return;
         node = 2 * node + (slot < nodes_[2 * node + 1].end ? 1 : 2);
     }

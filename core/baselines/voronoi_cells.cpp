@@ -81,7 +81,7 @@ void VoronoiCells::Integration::find_near(const Part& part) {
     const Point centre = centre_of(part);
     double radius = 0;
     for (const Point& corner : part.corners) radius = std::max(radius, squared_distance(centre, corner));
-    const double nearest = std::sqrt(squared_distance(tree_.nearest(centre)->place, centre));
+    const double nearest = std::sqrt(squared_distance(tree_.nearest(centre)->position, centre));
     tree_.within(centre, (1 + kRounding) * (nearest + 2 * std::sqrt(radius)), near_);
 }
 
@@ -110,9 +110,9 @@ void VoronoiCells::Integration::narrow_down(const Part& part, std::size_t begin)
     const std::size_t end = near_.size();
     const Point centre = centre_of(part);
     std::size_t nearest = begin;
-    double least = squared_distance(near_[begin].place, centre);
+    double least = squared_distance(near_[begin].position, centre);
     for (std::size_t i = begin; i < end; ++i) {
-        const double squared = squared_distance(near_[i].place, centre);
+        const double squared = squared_distance(near_[i].position, centre);
         nearest = squared < least ? i : nearest;
         least = std::min(squared, least);
     }
@@ -120,7 +120,7 @@ void VoronoiCells::Integration::narrow_down(const Part& part, std::size_t begin)
     near_.push_back(first);
     for (std::size_t i = begin; i < end; ++i) {
         const SiteTree::Found site = near_[i];
-        const Point way = site.place - first.place, middle = 0.5 * (site.place + first.place);
+        const Point way = site.position - first.position, middle = 0.5 * (site.position + first.position);
         const auto is_nearer = [&](Point corner) { return dot(corner - middle, way) > 0; };
         if (i != nearest && std::ranges::any_of(part.corners, is_nearer)) near_.push_back(site);
     }
@@ -133,10 +133,10 @@ void VoronoiCells::Integration::clip(const Part& part, std::size_t begin) {
         polygon_.assign(part.corners.begin(), part.corners.end());
         for (std::size_t j = begin; j < near_.size() && !polygon_.empty(); ++j) {
             if (j == i) continue;
-            clip_at_bisector(polygon_, near_[i].place, near_[j].place, clipped_);
+            clip_at_bisector(polygon_, near_[i].position, near_[j].position, clipped_);
             polygon_.swap(clipped_);
         }
-        cells_[near_[i].site].add(domain_.weight_.over(polygon_, near_[i].place));
+        cells_[near_[i].site].add(domain_.weight_.over(polygon_, near_[i].position));
     }
 }
 

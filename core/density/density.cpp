@@ -22,7 +22,7 @@ public:
 
     double operator()(double value) const {
         const double scaled = value * first_ * second_;
-        return scaled < Density::kLeast ? 0 : scaled;
+        return scaled < Density::kMin ? 0 : scaled;
     }
 
 private:

@@ -32,7 +32,7 @@ struct CellBlock {
 class Density {
 public:
     /// The least positive value. This value is so small that it affects no number of sites.
-    static constexpr double kLeast = 0x1p-256;
+    static constexpr double kMin = 0x1p-256;
 
     static Density uniform() { return {}; }
 

@@ -31,17 +31,17 @@ inline void walk_cells(Point a, Point b, int columns, int rows, Visit&& visit) {
         const double y1 = ends ? b.y : static_cast<double>(step > 0 ? row + 1 : row);
         const double x1 = ends ? b.x : a.x + (y1 - a.y) * slope;
         const int last_column = std::min(static_cast<int>(x1), columns - 1);
-        double x = x0, left = y1 - y0;
+        double x = x0, remaining = y1 - y0;
         while (column != last_column) {
             const int next = column < last_column ? column + 1 : column - 1;
             const auto line = static_cast<double>(std::max(column, next));
             const double piece = (line - x) * rise;
             visit(column, row, (x + line) / 2, piece);
-            left -= piece;
+            remaining -= piece;
             x = line;
             column = next;
         }
-        visit(column, row, (x + x1) / 2, left);
+        visit(column, row, (x + x1) / 2, remaining);
         if (ends) return;
         x0 = x1;
         y0 = y1;

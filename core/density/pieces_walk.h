@@ -26,8 +26,8 @@ CCDT_INLINE inline void walk_pieces(const Segments<Lanes>& segments, int columns
     using Pairs = typename Lanes::Pairs;
     constexpr double kNever = 2, kShortest = 1e-290;  // kShortest: shorter sides have no finite inverse
     const Pairs none{}, one = none + 1.0;
-    const auto within = [&](Pairs place, int count) CCDT_INLINE {
-        const Pairs last = none + (count - 1.0), above = place < none ? none : place;
+    const auto within = [&](Pairs position, int count) CCDT_INLINE {
+        const Pairs last = none + (count - 1.0), above = position < none ? none : position;
         return above < last ? above : last;
     };
     /// Crossings of the segments with the grid lines across one axis.

@@ -14,13 +14,13 @@ namespace ccdt {
 namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-constexpr double kLeastChange = 0.1;  ///< least difference at a step, relative to the larger value
-constexpr double kSharp = 2.2;        ///< least difference per cell at a step, relative to the slopes beside it
-constexpr double kFewestSites = 4;    ///< number of sites in a cell that resolve it, and in the smallest zone
+constexpr double kMinChange = 0.1;  ///< least difference at a step, relative to the larger value
+constexpr double kSharp = 2.2;      ///< least difference per cell at a step, relative to the slopes beside it
+constexpr double kMinSites = 4;     ///< number of sites in a cell that resolve it, and in the smallest zone
 
 /// Whether two values differ enough for a step.
 bool differ(double a, double b) {
-    return std::abs(b - a) > kLeastChange * std::max(a, b);
+    return std::abs(b - a) > kMinChange * std::max(a, b);
 }
 
 using Cell = std::array<int, 3>;  ///< column, row and layer
@@ -57,8 +57,8 @@ private:
         return static_cast<std::uint32_t>((c[2] * counts_[1] + c[1]) * counts_[0] + c[0]);
     }
     Cell cell(std::uint32_t number) const {
-        const int place = static_cast<int>(number), row = place / counts_[0];
-        return {place % counts_[0], row % counts_[1], row / counts_[1]};
+        const int position = static_cast<int>(number), row = position / counts_[0];
+        return {position % counts_[0], row % counts_[1], row / counts_[1]};
     }
     std::uint32_t moved(const Cell& from, std::size_t axis, int by) const;
     double slope(const Cell& from, std::size_t axis, int first, int way) const;
@@ -88,12 +88,12 @@ private:
 template <class Value>
 std::uint32_t ZoneSearch<Value>::moved(const Cell& from, std::size_t axis, int by) const {
     const int count = counts_[axis];
-    int place = from[axis] + by;
-    if (place < 0 || place >= count) {
+    int position = from[axis] + by;
+    if (position < 0 || position >= count) {
         if (!periodic_) return kNone;
-        place = (place % count + count) % count;
+        position = (position % count + count) % count;
     }
-    return number(from) + static_cast<std::uint32_t>((place - from[axis]) * strides_[axis]);
+    return number(from) + static_cast<std::uint32_t>((position - from[axis]) * strides_[axis]);
 }
 
 /// Returns the absolute slope of the density, averaged over up to three cells in one direction.
@@ -113,7 +113,7 @@ template <class Value>
 bool ZoneSearch<Value>::is_step(const Cell& from, std::size_t axis, int length) const {
     const double a = value_(number(from)), b = value_(moved(from, axis, length));
     if (!differ(a, b)) return false;
-    const bool is_resolved = sites_ * std::max(a, b) >= kFewestSites;
+    const bool is_resolved = sites_ * std::max(a, b) >= kMinSites;
     if (is_resolved) return length == 1;
     const double steepest = std::abs(b - a) / (kSharp * length);  // slope beside the step
     return slope(from, axis, 0, -1) < steepest && slope(from, axis, length, 1) < steepest;
@@ -123,7 +123,7 @@ bool ZoneSearch<Value>::is_step(const Cell& from, std::size_t axis, int length) 
 template <class Value>
 bool ZoneSearch<Value>::lies_between(std::uint32_t cell, std::uint32_t from, std::uint32_t to) const {
     const auto [low, high] = std::minmax({value_(from), value_(to)});
-    const double margin = kLeastChange * high;
+    const double margin = kMinChange * high;
     return low + margin < value_(cell) && value_(cell) < high - margin;
 }
 
@@ -206,7 +206,7 @@ bool ZoneSearch<Value>::flood(std::uint32_t first, std::uint32_t zone) {
             }
         });
     }
-    return sites_ * largest * static_cast<double>(list_.size()) >= kFewestSites;
+    return sites_ * largest * static_cast<double>(list_.size()) >= kMinSites;
 }
 
 /// Returns the zone beside a cell that has the most similar density; kNone if no cell beside it has a zone.

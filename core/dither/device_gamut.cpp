@@ -64,9 +64,9 @@ Weights nearest_on_triangle(const std::array<Vector, 3>& corners) {
 /// Returns the derivatives of CIELAB with respect to light [L*, a*, b*][red, green, blue].
 std::array<Vector, 3> lab_slopes(const Vector& light) {
     // Near black, the slopes of a dark grey are used, because the eye adapts to the surroundings.
-    constexpr double kStep = 1e-3, kLeast = 0.01;
+    constexpr double kStep = 1e-3, kMin = 0.01;
     Vector at = light;
-    for (double& value : at) value = std::max(value, kLeast);
+    for (double& value : at) value = std::max(value, kMin);
     const Lab from = lab_of(at);
     std::array<Vector, 3> slopes{};
     for (std::size_t c = 0; c < at.size(); ++c) {

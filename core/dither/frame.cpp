@@ -58,9 +58,9 @@ std::vector<float> enlarged(const std::vector<float>& values, const FrameSize& f
     const auto columns = static_cast<std::size_t>(to.width);
     for_rows(executor, to.width, static_cast<std::size_t>(to.height), [&](std::size_t y) {
         for (std::size_t x = 0; x < columns; ++x) {
-            const Point place{(static_cast<double>(x) + 0.5) * from.width / to.width,
-                              (static_cast<double>(y) + 0.5) * from.height / to.height};
-            result[y * columns + x] = interpolated(values, from.width, from.height, place);
+            const Point position{(static_cast<double>(x) + 0.5) * from.width / to.width,
+                                 (static_cast<double>(y) + 0.5) * from.height / to.height};
+            result[y * columns + x] = interpolated(values, from.width, from.height, position);
         }
     });
     return result;

@@ -130,7 +130,7 @@ private:
     static constexpr double kCell = 1.0 / 16;  // a square cell is a quarter as wide as the spacing of units
     static constexpr double kNear = 16;        // units within reach of a cell's kernel, at most one per cell
     static constexpr int kPasses = 3;
-    static constexpr double kLeastGain = 1e-9;       // above rounding errors
+    static constexpr double kMinGain = 1e-9;         // above rounding errors
     static constexpr std::size_t kMaxVisits = 1024;  // per cell, for places that are spread extremely unevenly
 
     /// Numbers of a node, for this class.
@@ -262,7 +262,7 @@ private:
     bool move(std::size_t cell) {
         const std::uint32_t from = cells_[cell].node;
         if (own_[from].count <= own_[from].least || is_exhausted()) return false;
-        double gain = kLeastGain;
+        double gain = kMinGain;
         std::size_t best = cell;
         visit(cell, [&](std::size_t other, double kernel) {
             const double own = cells_[cell].potential - cells_[other].potential - (1 - kernel);

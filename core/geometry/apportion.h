@@ -11,7 +11,7 @@ namespace ccdt {
 
 /// Rounds the quotas of places to whole numbers so that errors cancel among near places.
 ///
-/// @param places  [n] finite; all in one plane, or near one surface
+/// @param positions  [n] finite; all in one plane, or near one surface
 /// @param quotas  [classes][n] finite, >= 0, with sums below 2^53
 /// @returns       [classes][n] each number is its quota rounded up or down, and the numbers of a class add up to the
 ///                rounded sum of its quotas
@@ -25,7 +25,7 @@ namespace ccdt {
 ///
 /// The result depends on the positions of the places, not on their order, except for places at the same position.
 /// Deterministic. O(n log n).
-std::vector<std::vector<std::size_t>> apportion(std::span<const Point3> places,
+std::vector<std::vector<std::size_t>> apportion(std::span<const Point3> positions,
                                                 std::span<const std::vector<double>> quotas);
 
 }  // namespace ccdt

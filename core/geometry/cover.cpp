@@ -156,7 +156,7 @@ void Cover::toggle(std::uint32_t group) {
 
 /// Reports a hole outside its part, a hole in another hole of its part, and parts that overlap.
 /// @param set  the set of groups just crossed
-void Cover::examine(std::uint32_t set, Point place) {
+void Cover::examine(std::uint32_t set, Point position) {
     const auto last_open = [&](auto is_wanted) {
         const auto found = std::find_if(open_.rbegin(), open_.rend(), is_wanted);
         return found == open_.rend() ? kNone : *found;
@@ -172,16 +172,17 @@ void Cover::examine(std::uint32_t set, Point place) {
         const std::uint32_t outer = parts_[part].outer;
         const std::uint32_t hole = is_hole ? group : last_open([&](std::uint32_t g) { return is_hole_in(part, g); });
         if (!is_open_[outer]) {
-            add(Fault::LiesOutside, hole, outer, kNone, place);
+            add(Fault::LiesOutside, hole, outer, kNone, position);
         } else if (is_hole && holes > 1) {
             add(Fault::Overlaps, hole, last_open([&](std::uint32_t g) { return g != group && is_hole_in(part, g); }),
-                kNone, place);
+                kNone, position);
         }
     }
     if (covering_ < 2) return;
     const auto covers_as_outer = [&](std::uint32_t g) { return !kinds_[g].is_hole && covers(parts_[kinds_[g].part]); };
     const std::uint32_t one = last_open(covers_as_outer);
-    add(Fault::Overlaps, one, last_open([&](std::uint32_t g) { return g != one && covers_as_outer(g); }), kNone, place);
+    add(Fault::Overlaps, one, last_open([&](std::uint32_t g) { return g != one && covers_as_outer(g); }), kNone,
+        position);
 }
 
 /// Decides which thin faces are covered. If all neighbours of a thin face are in the opposite state, it takes their
@@ -215,9 +216,9 @@ void Cover::find_meetings() {
         const std::uint32_t group = chains_.group[met.segment];
         if (met.kind != Meeting::Kind::Touch) {
             add(met.kind == Meeting::Kind::Cross ? Fault::Crosses : Fault::RunsAlong, group, met.group, met.segment,
-                met.place);
+                met.position);
         } else if (met.vertex == kNone ? met.group == group : is_at(met.vertex, group)) {
-            add(Fault::Touches, group, group, met.segment, met.place);
+            add(Fault::Touches, group, group, met.segment, met.position);
         }
     }
 }
@@ -233,8 +234,8 @@ void Cover::find_cut_parts() {
         const auto at = std::ranges::adjacent_find(shared_, [&](const Shared& a, const Shared& b) {
             return a.vertex == b.vertex && is_ours(a) && is_ours(b);
         });
-        const Point place = at == shared_.end() ? chains_.points[first_of_[outer]] : map_.points[at->vertex];
-        if (!is_told) add(Fault::IsCut, outer, outer, kNone, place);
+        const Point position = at == shared_.end() ? chains_.points[first_of_[outer]] : map_.points[at->vertex];
+        if (!is_told) add(Fault::IsCut, outer, outer, kNone, position);
     }
 }
 
@@ -244,8 +245,8 @@ bool Cover::is_at(std::uint32_t vertex, std::uint32_t group) const {
     return at != shared_.end() && at->vertex == vertex && at->group == group;
 }
 
-void Cover::add(Fault fault, std::uint32_t ring, std::uint32_t other, std::uint32_t point, Point place) {
-    faults_.add(fault, ring, other, point == kNone ? Faults::kNoCorner : point - first_of_[ring], place);
+void Cover::add(Fault fault, std::uint32_t ring, std::uint32_t other, std::uint32_t point, Point position) {
+    faults_.add(fault, ring, other, point == kNone ? Faults::kNoCorner : point - first_of_[ring], position);
 }
 
 bool Cover::is_border(std::uint32_t triangle, std::size_t edge) const {

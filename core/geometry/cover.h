@@ -79,13 +79,13 @@ private:
     void enter(std::uint32_t triangle, std::uint32_t set);
     void cross(std::uint32_t set);
     void toggle(std::uint32_t group);
-    void examine(std::uint32_t set, Point place);
+    void examine(std::uint32_t set, Point position);
     void settle_thin_faces();
     void find_flat_rings();
     void find_meetings();
     void find_cut_parts();
     bool is_at(std::uint32_t vertex, std::uint32_t group) const;
-    void add(Fault fault, std::uint32_t ring, std::uint32_t other, std::uint32_t point, Point place);
+    void add(Fault fault, std::uint32_t ring, std::uint32_t other, std::uint32_t point, Point position);
 
     const Chains& chains_;
     const Arrangement& map_;

@@ -161,16 +161,16 @@ Point exact_crossing(Point a, Point b, Point c, Point d) {
     using Exact = CGAL::Exact_predicates_exact_constructions_kernel;
     const auto exact = [](Point p) { return Exact::Point_2(p.x, p.y); };
     const auto found = CGAL::intersection(Exact::Segment_2(exact(a), exact(b)), Exact::Segment_2(exact(c), exact(d)));
-    const auto* place = boost::get<Exact::Point_2>(&*found);
+    const auto* position = boost::get<Exact::Point_2>(&*found);
     const auto rounded = [](const Exact::FT& value) { return CGAL::to_double(CGAL::exact(value)); };
-    return {rounded(place->x()), rounded(place->y())};
+    return {rounded(position->x()), rounded(position->y())};
 }
 
 /// Returns the crossing of two segments, rounded to a point within the bounding boxes of both.
 Point crossing(Point a, Point b, Point c, Point d) {
     const auto quick = quick_crossing(a, b, c, d);
-    const Point place = quick ? *quick : exact_crossing(a, b, c, d);
-    return {place.x < kLeastCoordinate ? 0 : place.x, place.y < kLeastCoordinate ? 0 : place.y};
+    const Point position = quick ? *quick : exact_crossing(a, b, c, d);
+    return {position.x < kMinCoordinate ? 0 : position.x, position.y < kMinCoordinate ? 0 : position.y};
 }
 
 double distance_to_line(Point p, Point a, Point b) {
@@ -277,7 +277,7 @@ private:
         const auto [less, more] = std::minmax(ends.first->info(), ends.second->info());
         return std::uint64_t{less} << 32 | more;
     }
-    Point place(Vertex vertex) const { return result_.points[vertex->info()]; }
+    Point position(Vertex vertex) const { return result_.points[vertex->info()]; }
 
     /// Returns the segment between two vertices in either direction, given by its first point; kNone if there is none.
     std::uint32_t segment_along(const Ends& ends) const {
@@ -326,7 +326,7 @@ private:
             }
             if (!is_constrained) triangulation_.insert_constraint(piece.from, end);
             lay(piece, {piece.from, end}, is_constrained);
-            if (end != piece.to) meet(Kind::Touch, piece, end->info(), kNone, place(end));
+            if (end != piece.to) meet(Kind::Touch, piece, end->info(), kNone, position(end));
             piece.from = end;
         }
         return std::nullopt;
@@ -361,7 +361,7 @@ private:
         const bool is_whole = !was_constrained && piece.segment != kNone && piece.segment == segment_along(ends);
         if (is_whole && (edges_.empty() || !edges_.contains(key(ends)))) return;
         Groups& groups = groups_along(ends, was_constrained);
-        const Point a = place(ends.first), along = place(ends.second) - a;
+        const Point a = position(ends.first), along = position(ends.second) - a;
         const bool is_told = !groups.empty() && dot(along, along) > tolerance_ * tolerance_;
         if (is_told) meet_edge(Kind::Overlap, piece, groups, a + 0.5 * along);
         for (const std::uint32_t group : piece.groups) {
@@ -383,7 +383,8 @@ private:
             pending_.push_back(std::move(piece));
             return std::nullopt;
         }
-        const Point at = crossing(place(piece.from), place(piece.to), place(ends.first), place(ends.second));
+        const Point at =
+            crossing(position(piece.from), position(piece.to), position(ends.first), position(ends.second));
         tell_crossing(piece, ends, groups, at);
         const std::size_t made = 2 * (piece.groups.size() + groups.size());
         if (made > left_) return TooManyCrossings{piece.segment == kNone ? 0 : piece.segment, at};
@@ -407,7 +408,7 @@ private:
         for (int corner = 0; corner < 3; ++corner) {
             for (const Vertex vertex : {face->vertex(corner), triangulation_.mirror_vertex(face, corner)}) {
                 if (triangulation_.is_infinite(vertex)) continue;  // beyond the side of the box
-                const Point away = place(vertex) - at;
+                const Point away = position(vertex) - at;
                 if (dot(away, away) <= tolerance_ * tolerance_ / 16) return vertex;
             }
         }
@@ -425,10 +426,11 @@ private:
     }
 
     void tell_crossing(const Piece& piece, const Ends& ends, const Groups& groups, Point at) {
-        const Point a = place(piece.from), b = place(piece.to), c = place(ends.first), d = place(ends.second);
+        const Point a = position(piece.from), b = position(piece.to), c = position(ends.first),
+                    d = position(ends.second);
         for (const Vertex end : {ends.first, ends.second}) {
-            if (distance_to_line(place(end), a, b) <= tolerance_) {
-                return meet(Kind::Touch, piece, end->info(), kNone, place(end));
+            if (distance_to_line(position(end), a, b) <= tolerance_) {
+                return meet(Kind::Touch, piece, end->info(), kNone, position(end));
             }
         }
         const bool ends_there = std::min(distance_to_line(a, c, d), distance_to_line(b, c, d)) <= tolerance_;

@@ -58,7 +58,7 @@ tl::expected<ConstrainedDelaunay, SegmentConflict> constrained_delaunay(std::spa
 
 /// Closed chains of segments. Each point is joined to the next point of its chain. Several chains can form a group.
 struct Chains {
-    std::vector<Point> points;  ///< within [0, 1] x [0, 1]; each coordinate is 0 or at least kLeastCoordinate
+    std::vector<Point> points;  ///< within [0, 1] x [0, 1]; each coordinate is 0 or at least kMinCoordinate
     /// [points] end point of the segment that begins at this point; the point itself if no segment begins there.
     std::vector<std::uint32_t> next;
     std::vector<std::uint32_t> group;  ///< [points] the group of the chain, below `groups`
@@ -80,7 +80,7 @@ struct Arrangement {
         std::uint32_t vertex;   ///< the vertex that the segment touches; kNone if it meets an edge
         /// A group along the edge that the segment meets, preferably the segment's own; kNone if it meets a vertex.
         std::uint32_t group;
-        Point place;
+        Point position;
     };
     static constexpr std::uint32_t kNone = ConstrainedDelaunay::kNone;
 
@@ -102,7 +102,7 @@ struct Arrangement {
 /// The error of too many crossings, with the segment at which the limit was exceeded.
 struct TooManyCrossings {
     std::uint32_t segment = 0;  ///< identified by the point at which it begins
-    Point place;
+    Point position;
 };
 
 /// Computes a triangulation in which every segment is a chain of edges, cut wherever it meets another segment. The

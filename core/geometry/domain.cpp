@@ -51,7 +51,7 @@ Result<UnitFrame> find_frame(const std::optional<Box>& box, const std::vector<Ri
 }
 
 double to_unit(double distance, double scale) {
-    return distance < Domain::kLeast * scale ? 0 : distance / scale;
+    return distance < Domain::kMin * scale ? 0 : distance / scale;
 }
 
 double signed_area(const Ring& ring) {
@@ -218,9 +218,9 @@ Result<Domain> Domain::united(std::span<const Domain* const> domains, const std:
 
 Result<Domain> Domain::without(std::span<const Area> areas, const std::stop_token& stop) const {
     assert(!is_torus_);
-    auto left = difference(rings_, areas, frame_.resolution(), stop);
-    if (!left) return tl::unexpected(left.error());
-    return within(*std::move(left));
+    auto remaining = difference(rings_, areas, frame_.resolution(), stop);
+    if (!remaining) return tl::unexpected(remaining.error());
+    return within(*std::move(remaining));
 }
 
 Result<Domain> Domain::within(std::vector<Ring> rings) const {

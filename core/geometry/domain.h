@@ -34,7 +34,7 @@ class Domain {
 public:
     /// Distance in the unit frame below which a corner counts as lying on the left or lower side of the bounding box.
     /// This distance is far below the resolution of points.
-    static constexpr double kLeast = kLeastCoordinate;
+    static constexpr double kMin = kMinCoordinate;
 
     /// Creates a domain from polygons.
     ///

@@ -37,7 +37,7 @@ std::string words_of(Fault fault, const RingInput& ring, const RingInput& other)
 
 }  // namespace
 
-void Faults::add(Fault fault, std::size_t ring, std::size_t other, std::size_t corner, Point place) {
+void Faults::add(Fault fault, std::size_t ring, std::size_t other, std::size_t corner, Point position) {
     if (other > ring) {
         std::swap(ring, other);
         corner = kNoCorner;
@@ -45,8 +45,8 @@ void Faults::add(Fault fault, std::size_t ring, std::size_t other, std::size_t c
     concerned_.insert({ring, other});
     Found& found = found_[{ring, other}];
     if (fault < found.fault) return;
-    if (found.places == 0 || fault > found.fault) found = {fault, corner, place, 0};
-    ++found.places;
+    if (found.positions == 0 || fault > found.fault) found = {fault, corner, position, 0};
+    ++found.positions;
 }
 
 std::vector<Repair> Faults::describe(std::span<const RingInput> rings, const UnitFrame& frame) const {
@@ -64,12 +64,13 @@ std::vector<Repair> Faults::describe(std::span<const RingInput> rings, const Uni
             continue;
         }
         const RingInput& ring = rings[pair.first];
-        const Point place = frame.to_user(found.place);
+        const Point position = frame.to_user(found.position);
         std::string detail = ring.name() + ' ' + words_of(found.fault, ring, rings[pair.second]) + " at (" +
-                             written(place.x) + ", " + written(place.y) + ')';
+                             written(position.x) + ", " + written(position.y) + ')';
         const bool is_at_points = found.fault == Fault::Touches || found.fault >= Fault::RunsAlong;
-        if (found.places == 2 && is_at_points) detail += " and in another place";
-        if (found.places > 2 && is_at_points) detail += " and in " + std::to_string(found.places - 1) + " other places";
+        if (found.positions == 2 && is_at_points) detail += " and in another place";
+        if (found.positions > 2 && is_at_points)
+            detail += " and in " + std::to_string(found.positions - 1) + " other places";
         repairs.push_back({found.corner == kNoCorner ? ring.pointer() : ring.pointer(found.corner), std::move(detail)});
     }
     if (others > 0) repairs.push_back({{}, std::to_string(others) + " more such faults"});

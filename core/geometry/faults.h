@@ -34,8 +34,8 @@ public:
     /// @param ring    index of the ring
     /// @param other   index of the other ring; equal to `ring` if there is none
     /// @param corner  corner of `ring` near the fault; kNoCorner if there is none
-    /// @param place   place of the fault, in the unit frame
-    void add(Fault fault, std::size_t ring, std::size_t other, std::size_t corner, Point place);
+    /// @param position   place of the fault, in the unit frame
+    void add(Fault fault, std::size_t ring, std::size_t other, std::size_t corner, Point position);
 
     bool empty() const { return found_.empty(); }
 
@@ -50,8 +50,8 @@ private:
     struct Found {
         Fault fault = Fault::Touches;
         std::size_t corner = kNoCorner;
-        Point place;
-        std::size_t places = 0;  ///< number of places with this fault
+        Point position;
+        std::size_t positions = 0;  ///< number of places with this fault
     };
     std::map<std::pair<std::size_t, std::size_t>, Found> found_;  ///< keyed by the ring and the other ring
     std::set<std::size_t> concerned_;

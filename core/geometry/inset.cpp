@@ -124,14 +124,14 @@ private:
 
     /// Returns the run of edges that begins at a corner: a single edge, or several edges that one capsule can replace.
     Run longest_run(const Ring& ring, std::size_t first) const {
-        constexpr std::size_t kFewest = 4;
+        constexpr std::size_t kMinCount = 4;
         Run longest;
-        for (std::size_t step = kFewest; step > 0;) {
+        for (std::size_t step = kMinCount; step > 0;) {
             const auto run = run_of(ring, first, longest.edges == 1 ? step : longest.edges + step);
             if (run) longest = *run;
             if (!run && longest.edges == 1) break;
             step = run ? 2 * step : step / 2;
-            if (!run && step < kFewest) break;
+            if (!run && step < kMinCount) break;
         }
         return longest;
     }
@@ -282,7 +282,7 @@ public:
                 if (!keeps_line(own[i - 1])) return std::nullopt;
                 add_beside(own[i - 1], own[i % own.size()], line);
             }
-            const auto is_within = [](double v) { return v >= Domain::kLeast && v <= 1; };
+            const auto is_within = [](double v) { return v >= Domain::kMin && v <= 1; };
             if (!std::ranges::all_of(line, [&](Point p) { return is_within(p.x) && is_within(p.y); }))
                 return std::nullopt;
             std::ranges::reverse(line);
@@ -299,8 +299,8 @@ public:
         Ring inside = clipped(std::move(polygon), box_);
         if (inside.size() < 3) return;
         for (Point& p : inside) {
-            if (p.x < Domain::kLeast) p.x = 0;
-            if (p.y < Domain::kLeast) p.y = 0;
+            if (p.x < Domain::kMin) p.x = 0;
+            if (p.y < Domain::kMin) p.y = 0;
         }
         areas_.push_back({std::move(inside)});
     }
@@ -529,15 +529,15 @@ private:
     /// Whether there are so many pieces that combining them saves time. Combining pieces changes how corners of the
     /// result are rounded.
     bool has_many() const {
-        constexpr std::size_t kMany = 10'000;
-        return reaches_.size() > kMany;
+        constexpr std::size_t kManyPieces = 10'000;
+        return reaches_.size() > kManyPieces;
     }
 
     /// Whether there are too many squares, and larger squares are allowed. Exact squares cost less than coarse ones,
     /// whose sides all become edges of the removed area.
     bool has_very_many_squares() const {
-        constexpr std::size_t kVeryMany = 200'000, kVeryManyExact = 3'000'000;
-        return squares_.size() > (coarse_ > 0 ? kVeryMany : kVeryManyExact) && coarse_ < coarsest_;
+        constexpr std::size_t kVeryManySquares = 200'000, kVeryManyExactSquares = 3'000'000;
+        return squares_.size() > (coarse_ > 0 ? kVeryManySquares : kVeryManyExactSquares) && coarse_ < coarsest_;
     }
 
     std::span<const std::uint32_t> pieces_in(const Square& square) const {
@@ -545,8 +545,8 @@ private:
     }
 
     void divide(std::uint32_t at, const Cell& cell, std::span<const std::uint32_t> candidates) {
-        constexpr std::size_t kFew = 12, kFewest = 2;
-        constexpr double kSure = 1e-3, kLeast = 2e-3;  // relative to the distance
+        constexpr std::size_t kFew = 12, kMinCount = 2;
+        constexpr double kSure = 1e-3, kMin = 2e-3;  // relative to the distance
         constexpr double kRounding = 1e-15;
         if (stop_.stop_requested() || has_very_many_squares()) return;
         std::vector<double> clearances(candidates.size());
@@ -569,13 +569,13 @@ private:
         }
         if (radius <= coarse_) {
             squares_[at].kind = Kind::Crowded;
-        } else if (left.size() <= (coarse_ > 0 ? kFewest : kFew)) {
+        } else if (left.size() <= (coarse_ > 0 ? kMinCount : kFew)) {
             squares_[at] = {Kind::Border, static_cast<std::uint32_t>(members_.size()),
                             static_cast<std::uint32_t>(left.size())};
             members_.insert(members_.end(), left.begin(), left.end());
             for (const std::uint32_t i : left)
                 if (2 * reaches_[i].distance < cell.half) counts_whole_[i] = true;
-        } else if (radius <= std::max(kLeast * distance, 4 * kRounding)) {
+        } else if (radius <= std::max(kMin * distance, 4 * kRounding)) {
             squares_[at].kind = Kind::Crowded;
         } else {
             const auto first = static_cast<std::uint32_t>(squares_.size());
@@ -682,21 +682,21 @@ Result<Area> far_from_border(const Domain& domain, const ReachTree& tree, const 
 
 /// Erases the rings that lie outside a domain. No ring may cross the border of the domain.
 void erase_outside(Area& rings, const Domain& domain) {
-    struct Place {
+    struct Position {
         Point point;
         std::size_t ring = 0;
     };
-    std::vector<Place> places;
-    for (std::size_t i = 0; i < rings.size(); ++i) places.push_back({rings[i][0], i});
-    const auto height = [](const Place& place) { return place.point.y; };
-    std::ranges::sort(places, {}, height);
+    std::vector<Position> positions;
+    for (std::size_t i = 0; i < rings.size(); ++i) positions.push_back({rings[i][0], i});
+    const auto height = [](const Position& position) { return position.point.y; };
+    std::ranges::sort(positions, {}, height);
     std::vector<bool> is_inside(rings.size(), false);
     for (const Ring& ring : domain.rings()) {
         for (std::size_t i = 0; i < ring.size(); ++i) {
             const Point a = ring[i], b = ring[(i + 1) % ring.size()];
             const auto [low, high] = std::minmax(a.y, b.y);
-            for (auto at = std::ranges::lower_bound(places, low, {}, height); at != places.end() && at->point.y < high;
-                 ++at) {
+            for (auto at = std::ranges::lower_bound(positions, low, {}, height);
+                 at != positions.end() && at->point.y < high; ++at) {
                 if ((cross(b - a, at->point - a) > 0) == (b.y > a.y)) is_inside[at->ring] = !is_inside[at->ring];
             }
         }
@@ -747,8 +747,8 @@ Result<std::optional<Domain>> without_strip(const Domain& domain, const DiscArou
 /// Erodes a domain. If `indifference` > 0 and the border is very fine, the new border is coarse; see inset().
 Result<Domain> eroded(const Domain& domain, const DiscAround& disc_around, bool is_centred, double indifference,
                       const std::stop_token& stop) {
-    constexpr std::size_t kVeryMany = 50'000;
-    for (const bool is_coarse : {indifference > 0 && domain.corner_count() > kVeryMany, true}) {
+    constexpr std::size_t kVeryManyCorners = 50'000;
+    for (const bool is_coarse : {indifference > 0 && domain.corner_count() > kVeryManyCorners, true}) {
         auto left = without_strip(domain, disc_around, is_centred, indifference, is_coarse, stop);
         if (!left) return tl::unexpected(left.error());
         if (*left) return **std::move(left);
@@ -794,7 +794,7 @@ double largest_clearance(const Domain& domain, const std::stop_token& stop) {
         double most() const { return depth + half * std::numbers::sqrt2; }
         bool operator<(const Cell& other) const { return most() < other.most(); }
     };
-    constexpr double kEnough = 1.01, kLeast = 1e-6;
+    constexpr double kEnough = 1.01, kMin = 1e-6;
     constexpr int kMaxCells = 10'000;
     const auto cell_at = [&](Point centre, double half) { return Cell{centre, half, depth(domain, centre)}; };
     std::priority_queue<Cell> cells;
@@ -804,7 +804,7 @@ double largest_clearance(const Domain& domain, const std::stop_token& stop) {
         const Cell cell = cells.top();
         cells.pop();
         best = std::max(best, cell.depth);
-        if (cell.most() <= std::max(kEnough * best, kLeast)) break;
+        if (cell.most() <= std::max(kEnough * best, kMin)) break;
         const double half = cell.half / 2;
         for (const Point by : {Point{-half, -half}, Point{half, -half}, Point{-half, half}, Point{half, half}})
             cells.push(cell_at(cell.centre + by, half));

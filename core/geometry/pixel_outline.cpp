@@ -21,7 +21,7 @@ Direction turned(Direction direction, int quarters) {
 class Tracer {
 public:
     Tracer(const PixelSet& pixels, const Box& box, std::size_t most)
-        : pixels_(pixels), box_(box), left_(most), seen_(pixels.marked.size(), false) {}
+        : pixels_(pixels), box_(box), remaining_(most), seen_(pixels.marked.size(), false) {}
 
     /// @returns  false if there are too many corners
     bool execute() {
@@ -73,14 +73,14 @@ private:
             Direction next = turned(direction, 1);
             while (!is_edge(x, y, next)) next = turned(next, -1);
             if (next == direction) continue;
-            if (left_-- == 0) return false;
-            ring.push_back(place(x, y));
+            if (remaining_-- == 0) return false;
+            ring.push_back(position(x, y));
             direction = next;
         } while (x != first_x || y != first_y || direction != Right);
         return true;
     }
 
-    Point place(int x, int y) const {
+    Point position(int x, int y) const {
         return {between(box_.min.x, box_.max.x, x, pixels_.width), between(box_.min.y, box_.max.y, y, pixels_.height)};
     }
 
@@ -91,7 +91,7 @@ private:
 
     const PixelSet& pixels_;
     const Box& box_;
-    std::size_t left_;
+    std::size_t remaining_;
     std::vector<bool> seen_;  ///< [pixels] whether the lower side is part of a chain already traced
     Area area_;
 };

@@ -30,7 +30,7 @@ inline Pair load(const Point& p) {
 }
 
 /// Corner coordinates below this value, in the unit frame, count as 0. It is far below the rounding error of points.
-inline constexpr double kLeastCoordinate = 0x1p-100;
+inline constexpr double kMinCoordinate = 0x1p-100;
 
 /// Adding and then subtracting this value rounds numbers in [-2, 2) to multiples of 2^-50. Sums of such multiples are
 /// exact.

@@ -73,7 +73,7 @@ Result<Enclosed> enclosed_area(const std::vector<RingInput>& rings, const UnitFr
         const auto first = std::ranges::find(chains.group, group) - chains.group.begin();
         Faults faults;
         faults.add(Fault::Crosses, group, group, map.error().segment - static_cast<std::size_t>(first),
-                   map.error().place);
+                   map.error().position);
         const Repair fault = faults.describe(rings, frame).front();
         return failure(ErrorCode::Unusable, fault.detail + " and too often to be repaired", fault.field);
     }

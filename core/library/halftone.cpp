@@ -226,7 +226,7 @@ private:
     }
 
     /// Places the points.
-    void place(const std::vector<float>& density, Halftone& result) {
+    void position(const std::vector<float>& density, Halftone& result) {
         execution_.check_stop();
         const auto domain = value_of(ccdt::Domain::rectangle(picture_.width, picture_.height));
         const auto grid = value_of(ccdt::Density::grid(cells_.columns, cells_.rows, std::span<const float>(density)));
@@ -248,7 +248,7 @@ private:
         const auto plan =
             ccdt::plan_dots(std::move(cover), cells_.columns, cells_.rows, {run_.sites, {}, options_.detail},
                             execution_.control().stop, execution_.executor());
-        place(plan.density.front(), result);
+        position(plan.density.front(), result);
         result.radius = plan.radius * std::sqrt(cell_area());
     }
 
@@ -266,7 +266,7 @@ private:
         const auto plan = ccdt::plan_field(std::move(light), cells_, {run_.sites, {}, options_.detail},
                                            execution_.control().stop, execution_.executor());
         run_.quality = ccdt::quality_of_sites(run_.quality);
-        if (plan.sites > 0) place(plan.density, result);
+        if (plan.sites > 0) position(plan.density, result);
         if (!options_.partial) execution_.check_stop();
         const double across = static_cast<double>(picture_.width) / cells_.columns;
         const double down = static_cast<double>(picture_.height) / cells_.rows;

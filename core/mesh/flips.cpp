@@ -24,7 +24,7 @@ struct Flip {
 bool wants_flip(const Triangulation& mesh, std::uint32_t edge) {
     const std::uint32_t twin = mesh.twin(edge);
     const Point beyond = mesh.point(mesh.origin(Mesh::previous(twin)));
-    const auto [a, b, c] = mesh.places(Mesh::triangle_of(edge));
+    const auto [a, b, c] = mesh.positions(Mesh::triangle_of(edge));
     if (!mesh.crosses_seam(Mesh::triangle_of(edge)) && !mesh.crosses_seam(Mesh::triangle_of(twin)))
         return in_circle(a, b, c, beyond);
     return in_circle(a, b, c, beyond + mesh.distance(mesh.lift(edge) + mesh.shift(Mesh::next(twin))));

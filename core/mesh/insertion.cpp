@@ -47,11 +47,11 @@ bool locate(const Triangulation& mesh, const Region& region, Location& at) {
     std::uint32_t entered = kNone;
     for (std::uint32_t step = 0;; ++step) {
         std::uint32_t h = Mesh::edge(at.triangle, (step * 0x9e3779b9u >> 16) % 3);
-        const auto places = mesh.places(at.triangle);
+        const auto positions = mesh.positions(at.triangle);
         std::uint32_t crossed = kNone;
         for (int i = 0; i < 3 && crossed == kNone; ++i, h = Mesh::next(h)) {
             if (h == entered || mesh.twin(h) == kNone) continue;
-            if (orientation(places[h % 4], places[Mesh::next(h) % 4], at.point) < 0) crossed = h;
+            if (orientation(positions[h % 4], positions[Mesh::next(h) % 4], at.point) < 0) crossed = h;
         }
         if (crossed == kNone) return true;
         entered = mesh.twin(crossed);
@@ -106,11 +106,11 @@ Outcome insert_in(Triangulation& mesh, Region& region, std::uint32_t site, Point
     const std::uint32_t t = region.last = at.triangle;
     const Triangulation::Triangle split = mesh.triangles()[t];
     if (!split.is_inside()) return Outcome::Refused;
-    const auto places = mesh.places(t);
+    const auto positions = mesh.positions(t);
     for (std::uint32_t i = 0; i < 3; ++i) {
-        if (places[i] == at.point) return Outcome::Refused;
+        if (positions[i] == at.point) return Outcome::Refused;
         if (!split.is_constrained(i)) continue;
-        const Point a = places[i], b = places[(i + 1) % 3];
+        const Point a = positions[i], b = positions[(i + 1) % 3];
         if (orientation(a, b, p) <= 0 || cross(b - a, p - a) < margin * std::sqrt(dot(b - a, b - a)))
             return Outcome::Refused;
     }
@@ -129,7 +129,7 @@ void insert_batch(Triangulation& mesh, Region& region, const Batch& batch) {
     constexpr std::size_t kStopStride = 4096;
     legalise(mesh, region);
     if (region.last == kNone && !region.is_whole()) return;
-    std::vector<Region::Site> left;
+    std::vector<Region::Site> remaining;
     for (std::size_t i = 0; i < region.sites.size(); ++i) {
         if (i % kStopStride == 0 && batch.stop.stop_requested()) return;
         Region::Site& pending = region.sites[i];
@@ -137,9 +137,9 @@ void insert_batch(Triangulation& mesh, Region& region, const Batch& batch) {
         auto done = Outcome::Refused;
         for (int attempt = 0; attempt < batch.attempts && done == Outcome::Refused; ++attempt)
             done = insert_in(mesh, region, site, batch.draw(site, attempt), batch.margin, pending);
-        if (done != Outcome::Done) left.push_back(pending);
+        if (done != Outcome::Done) remaining.push_back(pending);
     }
-    region.sites = std::move(left);
+    region.sites = std::move(remaining);
 }
 
 }  // namespace
@@ -175,9 +175,9 @@ std::vector<std::uint32_t> insert_sites(Triangulation& mesh, std::span<const std
     const Batch batch{sites, draw, attempts, margin, stop};
     const Region whole = regions.process(mesh.executor(), [&](Region& region) { insert_batch(mesh, region, batch); });
     mesh.set_search_start(whole.last);
-    std::vector<std::uint32_t> left;
-    for (const Region::Site& pending : whole.sites) left.push_back(sites[pending.number]);
-    return left;
+    std::vector<std::uint32_t> remaining;
+    for (const Region::Site& pending : whole.sites) remaining.push_back(sites[pending.number]);
+    return remaining;
 }
 
 std::uint32_t part_at(Triangulation& mesh, Point p) {

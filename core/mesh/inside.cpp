@@ -156,7 +156,7 @@ std::vector<std::array<Point, 3>> inside_triangles(const Triangulation& mesh, st
     std::vector<std::array<Point, 3>> inside;
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
         if (!mesh.triangles()[t].is_inside()) continue;
-        if (part == kNone || mesh.part_of(mesh.corners(t)[0]) == part) inside.push_back(mesh.places(t));
+        if (part == kNone || mesh.part_of(mesh.corners(t)[0]) == part) inside.push_back(mesh.positions(t));
     }
     return inside;
 }

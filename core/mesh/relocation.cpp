@@ -40,7 +40,7 @@ bool isolate(Triangulation& mesh, std::uint32_t site) {
 
 /// Whether a place lies inside a triangle or on its edges; not for a torus.
 bool is_within(const Triangulation& mesh, std::uint32_t triangle, Point p) {
-    const auto [a, b, c] = mesh.places(triangle);
+    const auto [a, b, c] = mesh.positions(triangle);
     return orientation(a, b, p) >= 0 && orientation(b, c, p) >= 0 && orientation(c, a, p) >= 0;
 }
 

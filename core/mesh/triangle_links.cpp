@@ -108,13 +108,13 @@ void TriangleLinks::renumber(const std::vector<std::uint32_t>& number_of, std::s
     }
     const auto least = [&](std::uint32_t t) { return *std::ranges::min_element(triangles_[t].corners); };
     std::ranges::stable_sort(order, {}, least);
-    std::vector<std::uint32_t> place(triangles_.size(), kNone);
-    for (std::uint32_t i = 0; i < order.size(); ++i) place[order[i]] = i;
+    std::vector<std::uint32_t> position(triangles_.size(), kNone);
+    for (std::uint32_t i = 0; i < order.size(); ++i) position[order[i]] = i;
     std::vector<Triangle> sorted(order.size());
     for (std::uint32_t i = 0; i < order.size(); ++i) {
         sorted[i] = triangles_[order[i]];
         for (std::uint32_t& twin : sorted[i].twins) {
-            if (twin != kNone) twin = edge(place[twin / 4], twin % 4);
+            if (twin != kNone) twin = edge(position[twin / 4], twin % 4);
         }
     }
     triangles_ = std::move(sorted);

@@ -87,17 +87,17 @@ void Triangulation::flip_shifts(std::uint32_t edge) {
 void Triangulation::wrap() {
     constexpr double kMargin = 0.25;  // in periods; keeps sites near the seam from wrapping back and forth
     constexpr std::size_t kRange = 16384;
-    const auto periods = [](double place, double period) {
-        const double share = place / period;
+    const auto periods = [](double position, double period) {
+        const double share = position / period;
         return static_cast<std::int8_t>(share < -kMargin || share >= 1 + kMargin ? whole(share) : 0);
     };
-    std::vector<Shift> left(points_.size());
+    std::vector<Shift> remaining(points_.size());
     std::atomic<bool> any = false;
     for_ranges(*executor_, points_.size(), kRange, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v) {
-            left[v] = {periods(points_[v].x, period_.x), periods(points_[v].y, period_.y)};
-            if (left[v] == Shift{}) continue;
-            points_[v] = points_[v] - distance(left[v]);
+            remaining[v] = {periods(points_[v].x, period_.x), periods(points_[v].y, period_.y)};
+            if (remaining[v] == Shift{}) continue;
+            points_[v] = points_[v] - distance(remaining[v]);
             any = true;
         }
     });
@@ -105,8 +105,8 @@ void Triangulation::wrap() {
     for (Triangle& triangle : triangles_) {
         const auto& [a, b, c] = triangle.corners;
         const auto shifts = triangle.shifts;
-        triangle.set_shifts(shifts[0] + left[b] - left[a], shifts[1] + left[c] - left[b],
-                            shifts[2] + left[a] - left[c]);
+        triangle.set_shifts(shifts[0] + remaining[b] - remaining[a], shifts[1] + remaining[c] - remaining[b],
+                            shifts[2] + remaining[a] - remaining[c]);
         if (triangle.shifts == shifts) continue;
         for (const std::uint32_t corner : triangle.corners) changed_[corner] = 1;
     }

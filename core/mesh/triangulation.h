@@ -121,7 +121,7 @@ public:
 
     /// Positions of the corners. The first corner has its stored position; the others are shifted by periods to be next
     /// to it.
-    std::array<Point, 3> places(std::uint32_t triangle) const {
+    std::array<Point, 3> positions(std::uint32_t triangle) const {
         const Triangle& t = triangles_[triangle];
         const auto& c = t.corners;
         if ((t.flags & Triangle::kSeam) == 0) return {points_[c[0]], points_[c[1]], points_[c[2]]};
@@ -130,7 +130,7 @@ public:
 
     /// Twice the area; always > 0.
     double doubled_area(std::uint32_t triangle) const {
-        const auto [a, b, c] = places(triangle);
+        const auto [a, b, c] = positions(triangle);
         return cross(b - a, c - a);
     }
 

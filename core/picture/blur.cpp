@@ -42,11 +42,11 @@ BoxFilter box_of(double sigma, int side) {
     return BoxFilter(most * most / kBoxes);
 }
 
-/// Returns the index in [0, side) of the pixel whose mirror image lies at `place`.
-int mirrored(int place, int side) {
-    if (place >= 0 && place < side) return place;
+/// Returns the index in [0, side) of the pixel whose mirror image lies at `position`.
+int mirrored(int position, int side) {
+    if (position >= 0 && position < side) return position;
     const int period = 2 * side;
-    const int within = ((place % period) + period) % period;
+    const int within = ((position % period) + period) % period;
     return within < side ? within : period - 1 - within;
 }
 

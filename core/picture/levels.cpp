@@ -35,9 +35,9 @@ public:
         const float light = to_share(value);
         if (light >= white_) return 1;
         if (light <= black_) return 0;
-        const float place = (light - black_) / (white_ - black_) * kSteps;
-        const auto below = std::min(static_cast<std::size_t>(place), std::size_t{kSteps - 1});
-        return std::lerp(table_[below], table_[below + 1], place - static_cast<float>(below));
+        const float position = (light - black_) / (white_ - black_) * kSteps;
+        const auto below = std::min(static_cast<std::size_t>(position), std::size_t{kSteps - 1});
+        return std::lerp(table_[below], table_[below + 1], position - static_cast<float>(below));
     }
 
     Plane of(const Plane& plane, Executor& executor) const {

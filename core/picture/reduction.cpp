@@ -102,9 +102,9 @@ private:
 CellGrid resolved_cells(int width, int height, double radius) {
     constexpr double kCell = 0.5;   // side of a cell, radii
     constexpr double kMinSide = 2;  // least side of a cell, pixels
-    constexpr double kFewest = 64;  // least number of cells along the shorter side
+    constexpr double kMin = 64;     // least number of cells along the shorter side
     constexpr double kStep = 0.25;  // pixels; sides are multiples of this, so rounding of the radius has no effect
-    const double side = kStep * std::floor(std::min(kCell * radius, std::min(width, height) / kFewest) / kStep);
+    const double side = kStep * std::floor(std::min(kCell * radius, std::min(width, height) / kMin) / kStep);
     if (!(side >= kMinSide)) return {width, height};
     return {static_cast<int>(std::ceil(width / side)), static_cast<int>(std::ceil(height / side))};
 }

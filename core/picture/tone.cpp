@@ -54,8 +54,8 @@ std::size_t default_sites(double ink, double fineness, std::size_t limit) {
     // Dots with an area of 8 pixels blur about as much as averaging over 2 x 2 pixels. So dots lose this share of the
     // variance of a picture whose fineness has the same value.
     constexpr double kMaxLost = 0.02;
-    constexpr double kFewest = 4096;
-    const double by_ink = std::min(std::clamp(ink / kInkPerDot, kFewest, kMaxSites), ink);
+    constexpr double kMin = 4096;
+    const double by_ink = std::min(std::clamp(ink / kInkPerDot, kMin, kMaxSites), ink);
     const double by_detail = std::min({ink / kInkPerDot * fineness / kMaxLost, ink / kMinInkPerDot, kMaxSites});
     const double sites = std::max(by_ink, by_detail);
     return std::clamp(static_cast<std::size_t>(sites), std::size_t{1}, std::max(limit, std::size_t{1}));

@@ -65,8 +65,8 @@ Result<void> check_output(const std::string& name) {
     std::string file;
     const auto failed = api::check_output(output_target(name), file);
     if (!failed) return {};
-    const std::string place = file == name ? "" : file + ": ";
-    return failure(ErrorCode::Internal, "cannot write " + name + ": " + place + failed.message());
+    const std::string position = file == name ? "" : file + ": ";
+    return failure(ErrorCode::Internal, "cannot write " + name + ": " + position + failed.message());
 }
 
 OutputFile::OutputFile(const std::string& name, Interruption& interruption)

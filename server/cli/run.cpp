@@ -63,7 +63,7 @@ std::string output_for(const std::string& input, std::string output) {
 }
 
 /// Returns a text that is the same for all names of a target.
-std::string place_of(const api::OutputTarget& target) {
+std::string position_of(const api::OutputTarget& target) {
     if (target.descriptor >= 0) return std::to_string(target.descriptor);
     std::error_code unresolved;
     const auto path = std::filesystem::weakly_canonical(target.path, unresolved);
@@ -85,12 +85,12 @@ tl::expected<std::vector<Task>, Failed> plan_tasks(const Command& command, const
         inputs.emplace_back();
     }
     std::vector<Task> tasks;
-    std::map<std::string, std::string> input_of;  ///< by place_of() the output
+    std::map<std::string, std::string> input_of;  ///< by position_of() the output
     for (const std::string& input : inputs) {
         const Task task{input, output_for(input, arguments.output.value_or(std::string(kStandardStream)))};
         const api::OutputTarget target = output_target(task.output);
         if (target.is_replaced || target.descriptor >= 0) {
-            const auto [other, is_new] = input_of.try_emplace(place_of(target), input);
+            const auto [other, is_new] = input_of.try_emplace(position_of(target), input);
             if (!is_new)
                 return wrong_usage(other->second + " and " + input + " have the same output, " + target.path +
                                    "; use {name} in --output, as in 'out/{name}.svg'");
@@ -283,8 +283,8 @@ private:
     void report_notes(const std::string& input, const std::string& warnings, const std::string& repairs) {
         if (const auto list = api::JsonDocument::parse(warnings)) {
             for (const api::JsonValue note : list->root()) {
-                const std::string& place = note.find("pointer").value().text();
-                messages_.warn(input, place + (place.empty() ? "" : ": ") + note.find("detail").value().text());
+                const std::string& position = note.find("pointer").value().text();
+                messages_.warn(input, position + (position.empty() ? "" : ": ") + note.find("detail").value().text());
             }
         }
         const auto list = api::JsonDocument::parse(repairs);

@@ -208,8 +208,8 @@ private:
 };
 
 /// Computes an answer. Exceptions become errors (Internal).
-Result<api::Answer> answer(const Task& task, const Computer& compute, const api::Decode& decode, const Control& control,
-                           api::Timings& timings, int channel) {
+Result<api::Answer> answer(const Task& task, const ComputeFunction& compute, const api::Decode& decode,
+                           const Control& control, api::Timings& timings, int channel) {
     PieceSender sender(channel, timings);
     const Delivery delivery{task.call.compressed != 0, &sender};
     try {
@@ -219,7 +219,7 @@ Result<api::Answer> answer(const Task& task, const Computer& compute, const api:
     }
 }
 
-void reply_to(const Task& task, const Computer& compute, DecoderClient& decoder, const SharedNumberReader& lent,
+void reply_to(const Task& task, const ComputeFunction& compute, DecoderClient& decoder, const SharedNumberReader& lent,
               int channel) {
     const auto deaths = decoder.deaths();
     const auto before = processor_time() + decoder.processor_time();
@@ -249,7 +249,7 @@ void reply_to(const Task& task, const Computer& compute, DecoderClient& decoder,
 
 }  // namespace
 
-void run_compute_process(ComputeFiles files, const Computer& compute) {
+void run_compute_process(ComputeFiles files, const ComputeFunction& compute) {
     const SharedNumberReader lent(files.threads);
     Inbox inbox(files.channel.get());
     DecoderClient decoder(

@@ -10,7 +10,7 @@
 #include "core/base/result.h"
 #include "core/ccdt/plane/ccdt.h"
 #include "server/processes/unique_fd.h"
-#include "server/requests/computation.h"
+#include "server/requests/compute.h"
 
 namespace ccdt::server {
 

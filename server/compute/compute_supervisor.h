@@ -19,7 +19,7 @@
 #include "server/processes/shared_number.h"
 #include "server/processes/supervised_program.h"
 #include "server/processes/unique_fd.h"
-#include "server/requests/computation.h"
+#include "server/requests/compute.h"
 
 namespace ccdt::server {
 

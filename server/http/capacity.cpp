@@ -12,11 +12,11 @@ namespace {
 
 /// Minimum idle time before a connection is closed in favour of a new one. During this time, a client that has just
 /// connected can send its first request.
-constexpr std::chrono::milliseconds kLeastIdle{50};
+constexpr std::chrono::milliseconds kMinIdle{50};
 
 /// Minimum time that a request head may take before its connection is closed in favour of a new one. Suffices for
 /// several packets and the retransmission of one of them.
-constexpr std::chrono::milliseconds kLeastForHead{300};
+constexpr std::chrono::milliseconds kMinForHead{300};
 
 /// Maximum time that a new connection waits for a slot. Longer than a closed connection needs to release its slot,
 /// unless the machine is busy.
@@ -160,7 +160,7 @@ ConnectionSlot::~ConnectionSlot() {
 void ConnectionSlot::begin_idle(int socket, std::optional<std::chrono::steady_clock::time_point> head_begun) {
     const std::lock_guard lock(capacity_.mutex_);
     if (closed_ || idle_) return;
-    const auto until = head_begun ? *head_begun + kLeastForHead : Capacity::Clock::now() + kLeastIdle;
+    const auto until = head_begun ? *head_begun + kMinForHead : Capacity::Clock::now() + kMinIdle;
     idle_ = capacity_.idle_.insert({until, {this, socket, head_begun.has_value()}});
 }
 

@@ -27,8 +27,8 @@ constexpr std::size_t kFreeBytes = 65'536;  ///< bytes of a body that are read e
 /// Once more bytes of a body than this have arrived, its Content-Length is trusted, and memory for all of it is
 /// reserved.
 constexpr std::size_t kTrustedBytes = 1 << 20;
-constexpr std::uint64_t kLeastRate = 32'768;  ///< bytes per second
-constexpr std::uint64_t kLeastRateUnderPressure = 262'144;
+constexpr std::uint64_t kMinRate = 32'768;  ///< bytes per second
+constexpr std::uint64_t kMinRateUnderPressure = 262'144;
 constexpr milliseconds kHeadUnderPressure{1'000};
 constexpr milliseconds kPauseUnderPressure{2'000};
 constexpr milliseconds kLinger{2'000};
@@ -38,9 +38,9 @@ constexpr int kNoTime = 0;
 /// Waits for an event on the socket until the deadline.
 bool wait_for(int socket, short events, std::chrono::steady_clock::time_point deadline) {
     while (true) {
-        const auto left = duration_cast<milliseconds>(deadline - std::chrono::steady_clock::now());
+        const auto remaining = duration_cast<milliseconds>(deadline - std::chrono::steady_clock::now());
         pollfd entry{socket, events, 0};
-        const int ready = poll(&entry, 1, static_cast<int>(std::max<milliseconds::rep>(left.count(), 0)));
+        const int ready = poll(&entry, 1, static_cast<int>(std::max<milliseconds::rep>(remaining.count(), 0)));
         if (ready >= 0 || errno != EINTR) return ready > 0;
     }
 }
@@ -203,7 +203,7 @@ bool Connection::wait_for_bytes(const std::function<bool(Milliseconds waited)>& 
 Connection::Clock::time_point Connection::deadline(const Transfer& transfer) const {
     const bool pressed = is_pressed();
     const auto pause = pressed ? std::min(patience_.body, kPauseUnderPressure) : patience_.body;
-    const auto rate = pressed ? kLeastRateUnderPressure : kLeastRate;
+    const auto rate = pressed ? kMinRateUnderPressure : kMinRate;
     return std::min(transfer.moved + pause, transfer.begun + pause + milliseconds(transfer.bytes * 1000 / rate));
 }
 
@@ -294,7 +294,7 @@ HttpResult<std::string_view> Connection::read_line() {
 HttpResult<std::size_t> Connection::pass_on(char* target, std::size_t size) {
     Body& body = *body_;
     if (body.is_complete()) return 0;
-    if (body.framing.empty() && body.left == 0) {
+    if (body.framing.empty() && body.remaining == 0) {
         if (auto begun = begin_chunk(); !begun) return tl::unexpected(begun.error());
     }
     if (!body.framing.empty()) {
@@ -305,8 +305,8 @@ HttpResult<std::size_t> Connection::pass_on(char* target, std::size_t size) {
     if (unread_.empty()) {
         if (auto filled = fill_body(); !filled) return tl::unexpected(filled.error());
     }
-    const auto part = use(std::min<std::uint64_t>({size, body.left, unread_.view().size()}));
-    body.left -= part.size();
+    const auto part = use(std::min<std::uint64_t>({size, body.remaining, unread_.view().size()}));
+    body.remaining -= part.size();
     body.progress.move_to(body.progress.bytes + part.size());
     return part.copy(target, size);
 }
@@ -333,7 +333,7 @@ HttpResult<void> Connection::begin_chunk() {
     char line[20];
     body.framing.append(line, static_cast<std::size_t>(std::snprintf(line, sizeof(line), "%zx\r\n", *size)));
     if (*size == 0) body.framing += kLineEnd;
-    body.left = *size;
+    body.remaining = *size;
     body.at_end = *size == 0;
     return {};
 }

@@ -152,18 +152,19 @@ private:
     /// A body that is being read.
     struct Body {
         Body(Capacity* capacity, bool chunked, std::uint64_t size, std::size_t max_size, std::uint64_t first)
-            : limit(max_size), begin(first), left(size), at_end(!chunked), held(capacity) {}
+            : limit(max_size), begin(first), remaining(size), at_end(!chunked), held(capacity) {}
 
         const std::size_t limit;    ///< maximum size of the body
         const std::uint64_t begin;  ///< position of the body's first byte within the request [bytes]
-        std::uint64_t left;   ///< bytes of the body, or of its current chunk, that read_content() has not returned yet
-        bool at_end;          ///< no chunk follows the bytes that `left` counts
+        std::uint64_t
+            remaining;        ///< bytes of the body, or of its current chunk, that read_content() has not returned yet
+        bool at_end;          ///< no chunk follows the bytes that `remaining` counts
         std::string framing;  ///< chunk line or line end that read_content() returns before the next content
         Transfer progress;    ///< counts the returned content, without framing
         CountedBytes held;
         HttpResult<void> outcome;
 
-        bool is_complete() const { return framing.empty() && left == 0 && at_end; }
+        bool is_complete() const { return framing.empty() && remaining == 0 && at_end; }
     };
 
     bool is_pressed() const { return capacity_ != nullptr && (capacity_->is_pressed() || capacity_->is_closing()); }

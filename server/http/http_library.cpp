@@ -219,17 +219,17 @@ private:
 
     /// Sends a body while it is produced. A body without a known length is sent in chunks. HTTP/1.0 clients do not know
     /// chunks, so closing the connection ends such a body.
-    /// @param left  bytes that may be sent
+    /// @param remaining  bytes that may be sent
     /// @returns     false if the client did not receive the whole body
-    bool send_stream(httplib::DataSink& sink, std::size_t left) {
+    bool send_stream(httplib::DataSink& sink, std::size_t remaining) {
         if (stream_.failed()) return false;
         const auto send = [&](std::string_view piece) {
             if (piece.empty()) return !stream_.failed();  // an empty chunk would end the body
-            if (piece.size() > left || !sink.write(piece.data(), piece.size())) return false;
-            left -= piece.size();
+            if (piece.size() > remaining || !sink.write(piece.data(), piece.size())) return false;
+            remaining -= piece.size();
             return true;
         };
-        const bool whole = response_.stream(send, response_.record) && (!response_.length || left == 0);
+        const bool whole = response_.stream(send, response_.record) && (!response_.length || remaining == 0);
         if (!whole && !stream_.failed()) {
             response_.status = response_.record.cause.empty() && connection_.client_gone() ? kClientGone : 500;
             if (response_.length || request_.is_http_1_0) connection_.reset();

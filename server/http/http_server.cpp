@@ -166,7 +166,7 @@ void HttpServer::recover(int accept_error) {
 /// Accepts the connections that existed, or whose handshake had begun, when the socket began to refuse new connections.
 void HttpServer::accept_last(ConnectionThreads& threads, RefusedClients& refused) {
     const auto end = Clock::now() + kHandshake;
-    for (int left = ListeningSocket::kBacklog; left > 0; --left) {
+    for (int remaining = ListeningSocket::kBacklog; remaining > 0; --remaining) {
         if (accept_next(threads, refused) == Next::Accepted) continue;
         if (Clock::now() >= end) return;
         std::this_thread::sleep_for(kHandshakeStep);
@@ -231,12 +231,13 @@ void HttpServer::serve_connection(Connection& connection, ConnectionSlot& slot) 
             return;
         }
     }
-    for (std::size_t left = kRequestsPerConnection; left > 0 && connection.wait_for_request(should_stop); --left) {
+    for (std::size_t remaining = kRequestsPerConnection; remaining > 0 && connection.wait_for_request(should_stop);
+         --remaining) {
         const Counted busy(busy_);
         auto request = connection.read_head();
         const auto received =
             request.and_then(check_request).and_then([&] { return take_client(*request, connection, slot); });
-        const bool last = !received || left == 1;
+        const bool last = !received || remaining == 1;
         if (!answer(connection, std::move(request).value_or(Request()), received, last)) break;
         slot.count_by(counted_address(connection.peer()));
         longest = patience_.idle;

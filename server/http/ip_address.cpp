@@ -58,8 +58,8 @@ bool IpAddress::shares(const IpAddress& other, int bits) const {
     const auto whole = static_cast<std::size_t>(bits / 8);
     if (!std::equal(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(whole), other.bytes_.begin()))
         return false;
-    const int left = bits % 8;
-    return left == 0 || (bytes_[whole] ^ other.bytes_[whole]) >> (8 - left) == 0;
+    const int remaining = bits % 8;
+    return remaining == 0 || (bytes_[whole] ^ other.bytes_[whole]) >> (8 - remaining) == 0;
 }
 
 std::optional<IpNetwork> IpNetwork::parse(std::string_view text) {

@@ -14,7 +14,7 @@
 namespace ccdt::server {
 namespace {
 
-using Clock = JobRuns::Clock;
+using Clock = ClaimedRuns::Clock;
 using Milliseconds = std::chrono::duration<double, std::milli>;
 
 /// Maximum number of runs of a job that a server crash or a temporary fault may interrupt; after these, the job fails.
@@ -123,14 +123,14 @@ private:
 };
 
 JobRunner::JobRunner(const JobLimits& limits, JobStore& store, bool survives, WorkerPool& pool, Compute compute,
-                     Logger logger, FollowedJobs& followed)
+                     Logger logger, WatchedJobs& watched)
     : limits_(limits),
       store_(store),
       survives_(survives),
       pool_(pool),
       compute_(std::move(compute)),
       logger_(std::move(logger)),
-      followed_(followed),
+      watched_(watched),
       renewal_interval_(std::max(limits.lease / 3, std::chrono::milliseconds(1))),
       runs_(std::max<std::size_t>(2, pool.load().workers) - 1),
       claimer_([this](const std::stop_token& closing) { claim_jobs(closing); }),
@@ -278,7 +278,7 @@ JobRun::End JobRunner::end_of(Job job, std::string_view path, Result<api::Answer
 
 void JobRunner::note(const Run& run, const Progress& progress) {
     if (run->note(progress)) runs_.wake_timekeeper();
-    if (!run->is_gone()) followed_.advance(run->job());
+    if (!run->is_gone()) watched_.advance(run->job());
 }
 
 /// Removes a run from the queue of the pool or, if it has started, requests it to stop.
@@ -296,7 +296,7 @@ void JobRunner::give_up(const Run& run, JobStore::Owned owned) {
     if (owned == JobStore::Owned::Lost) runs_.count_lost();
     cancel_in_pool(run);
     runs_.erase(run);
-    followed_.mark_stale(run->job().id);
+    watched_.mark_stale(run->job().id);
 }
 
 void JobRunner::drop(const std::string& id) {
@@ -322,7 +322,7 @@ void JobRunner::settle(const Run& run, JobRun::End end) {
     }
     if (stored) {
         end.summary.job.finished = **stored;
-        followed_.advance(end.summary.job);
+        watched_.advance(end.summary.job);
     } else if (end.summary.cause.empty()) {
         end.summary.cause = stored.error().message;
     }

@@ -10,12 +10,12 @@
 #include <thread>
 
 #include "core/base/result.h"
-#include "server/jobs/followed_jobs.h"
+#include "server/jobs/claimed_runs.h"
 #include "server/jobs/job_limits.h"
-#include "server/jobs/job_runs.h"
 #include "server/jobs/job_store.h"
+#include "server/jobs/watched_jobs.h"
 #include "server/pool/worker_pool.h"
-#include "server/requests/computation.h"
+#include "server/requests/compute.h"
 
 namespace ccdt::server {
 
@@ -30,9 +30,9 @@ public:
     /// Maximum time until this server notices an expired lease of another server, or the end of an outage of the store.
     static constexpr std::chrono::milliseconds kPollInterval{1000};
 
-    /// Takes the same parameters as the constructor of Jobs; `followed` receives the states of the jobs.
+    /// Takes the same parameters as the constructor of Jobs; `watched` receives the states of the jobs.
     JobRunner(const JobLimits& limits, JobStore& store, bool survives, WorkerPool& pool, Compute compute, Logger logger,
-              FollowedJobs& followed);
+              WatchedJobs& watched);
 
     /// Stops all runs.
     ~JobRunner();
@@ -42,7 +42,7 @@ public:
 
     void start() { runs_.start(); }
 
-    /// Stops all runs, as described for Jobs::drain.
+    /// Stops all runs, as described for JobService::drain.
     void drain();
     bool is_draining() const { return runs_.is_draining(); }
 
@@ -61,10 +61,10 @@ public:
     /// Updates a job that was read from the store with progress that is not stored yet, if this server runs the job.
     void add_latest(Job& job) const;
 
-    JobRuns::Counts counts() const { return runs_.counts(); }
+    ClaimedRuns::Counts counts() const { return runs_.counts(); }
 
 private:
-    using Run = JobRuns::Run;
+    using Run = ClaimedRuns::Run;
     class ResultWriter;
 
     void claim_jobs(const std::stop_token& closing);
@@ -91,9 +91,9 @@ private:
     WorkerPool& pool_;
     const Compute compute_;
     const Logger logger_;
-    FollowedJobs& followed_;
+    WatchedJobs& watched_;
     const std::chrono::milliseconds renewal_interval_;
-    JobRuns runs_;
+    ClaimedRuns runs_;
 
     std::jthread claimer_;     ///< claims jobs; both threads are declared last, because they use all other members
     std::jthread timekeeper_;  ///< stops runs at their deadlines, renews leases, deletes expired jobs

@@ -30,7 +30,7 @@ constexpr std::string_view kPiecesKept = "600";
 constexpr std::int64_t kRemovedAtOnce = 100;
 
 /// The first version of Redis whose scripts have flags.
-constexpr int kLeastVersion = 7;
+constexpr int kMinVersion = 7;
 
 /// Flags of scripts that may run when the memory of Redis is full, because they free memory or need very little.
 constexpr std::string_view kAnyway = "allow-oom";
@@ -198,18 +198,18 @@ void RedisJobStore::forward(std::string_view message) {
 Result<std::vector<std::string>> RedisJobStore::find_faults(RedisClient& client) {
     const auto server = client.run(RedisCommand{"INFO", "server"});
     if (!server) return tl::unexpected(server.error());
-    const std::string place = "Redis at " + client.address().name();
+    const std::string position = "Redis at " + client.address().name();
     const std::string version = line_of(server->text, "redis_version");
     std::string_view major = version;
     std::vector<std::string> faults;
-    if (!version.empty() && api::parse_number<int>(api::take_until(major, ".")).value_or(0) < kLeastVersion)
-        faults.push_back(place + " has version " + version + "; jobs need 7.0 or later");
+    if (!version.empty() && api::parse_number<int>(api::take_until(major, ".")).value_or(0) < kMinVersion)
+        faults.push_back(position + " has version " + version + "; jobs need 7.0 or later");
     if (client.setting("appendonly") == "no")
-        faults.push_back(place + " has no append-only file: it loses jobs when it ends (appendonly yes)");
+        faults.push_back(position + " has no append-only file: it loses jobs when it ends (appendonly yes)");
     if (client.setting("appendfsync") == "no")
-        faults.push_back(place + " does not flush its writes to the disk (appendfsync always or everysec)");
+        faults.push_back(position + " does not flush its writes to the disk (appendfsync always or everysec)");
     if (client.setting("maxmemory-policy").starts_with("allkeys"))
-        faults.push_back(place + " drops jobs when its memory is full (maxmemory-policy noeviction)");
+        faults.push_back(position + " drops jobs when its memory is full (maxmemory-policy noeviction)");
     return faults;
 }
 
@@ -495,7 +495,7 @@ Result<JobStore::Load> RedisJobStore::load() {
     const auto reply = run(kLoad, {});
     if (!reply) return tl::unexpected(reply.error());
     if (reply->items.size() != 3) return not_understood("the queue");
-    const auto number = [&](std::size_t place) { return static_cast<std::size_t>(reply->items[place].number); };
+    const auto number = [&](std::size_t position) { return static_cast<std::size_t>(reply->items[position].number); };
     return Load{number(0), number(1), number(2)};
 }
 

@@ -104,18 +104,18 @@ std::string Statement::image(int column) const {
     return image + text(column);
 }
 
-void Statement::bind(int place, std::int64_t value) {
-    database_.check(sqlite3_bind_int64(handle_.get(), place, value));
+void Statement::bind(int position, std::int64_t value) {
+    database_.check(sqlite3_bind_int64(handle_.get(), position, value));
 }
 
-void Statement::bind(int place, double value) {
-    database_.check(sqlite3_bind_double(handle_.get(), place, value));
+void Statement::bind(int position, double value) {
+    database_.check(sqlite3_bind_double(handle_.get(), position, value));
 }
 
-void Statement::bind(int place, std::string_view value) {
+void Statement::bind(int position, std::string_view value) {
     // A null pointer would be bound as NULL.
     const char* const begin = value.data() == nullptr ? "" : value.data();
-    database_.check(sqlite3_bind_text64(handle_.get(), place, begin, value.size(), SQLITE_STATIC, SQLITE_UTF8));
+    database_.check(sqlite3_bind_text64(handle_.get(), position, begin, value.size(), SQLITE_STATIC, SQLITE_UTF8));
 }
 
 Transaction::~Transaction() {

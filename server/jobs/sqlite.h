@@ -75,8 +75,8 @@ public:
     template <class... Values>
     Statement(Database& database, const char* sql, const Values&... values) : database_(database) {
         prepare(sql);
-        int place = 0;
-        (bind(++place, values), ...);
+        int position = 0;
+        (bind(++position, values), ...);
     }
 
     /// Steps to the next row.
@@ -104,12 +104,12 @@ private:
     };
 
     void prepare(const char* sql);
-    void bind(int place, std::int64_t value);
-    void bind(int place, double value);
-    void bind(int place, std::string_view value);
+    void bind(int position, std::int64_t value);
+    void bind(int position, double value);
+    void bind(int position, std::string_view value);
     template <class T>
-    void bind(int place, const std::optional<T>& value) {
-        if (value) bind(place, *value);  // unbound parameters are null
+    void bind(int position, const std::optional<T>& value) {
+        if (value) bind(position, *value);  // unbound parameters are null
     }
 
     Database& database_;

@@ -7,7 +7,7 @@
 
 #include "server/config/config.h"
 #include "server/http/http_server.h"
-#include "server/jobs/jobs.h"
+#include "server/jobs/job_service.h"
 
 namespace spdlog {
 class logger;

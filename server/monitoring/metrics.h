@@ -12,7 +12,7 @@
 #include "server/compute/compute_supervisor.h"
 #include "server/http/capacity.h"
 #include "server/http/http_server.h"
-#include "server/jobs/jobs.h"
+#include "server/jobs/job_service.h"
 #include "server/pool/worker_pool.h"
 #include "server/redis/redis_client.h"
 
@@ -44,7 +44,7 @@ public:
         ComputeSupervisor::Counts computing;
         std::size_t lent_threads = 0;        ///< number of threads that each computation may use
         std::optional<JobStore::Load> jobs;  ///< none: unknown; the metrics keep their values
-        Jobs::Counts job_runs;
+        JobService::Counts job_runs;
         RedisCounts redis;
         std::size_t job_capacity = 0;  ///< capacity of the job store in bytes
         std::uint64_t job_damages = 0;

@@ -20,7 +20,7 @@ constexpr double kNewestWeight = 0.2;
 constexpr double kLongestBacklog = 3600;
 
 /// Bounds of actual / estimated duration. Beyond them, the job has failed early or was delayed.
-constexpr double kLeastPace = 0.1, kMaxPace = 10;
+constexpr double kMinPace = 0.1, kMaxPace = 10;
 
 double seconds_since(WorkerPool::Clock::time_point start) {
     return std::chrono::duration<double>(WorkerPool::Clock::now() - start).count();
@@ -250,7 +250,7 @@ void WorkerPool::finish_locked(JobId id, double used) {
     const bool was_lent = threads_for_each(worker_count_, running_.size(), worker_count_) > 1;
     if (!job->second.cancelled && job->second.expected > 0 && !was_lent) {
         const double taken = seconds_since(job->second.started) / job->second.expected;
-        pace_ += kNewestWeight * (std::clamp(taken, kLeastPace, kMaxPace) - pace_);
+        pace_ += kNewestWeight * (std::clamp(taken, kMinPace, kMaxPace) - pace_);
     }
     running_.erase(job);
     callback_(running_.size());

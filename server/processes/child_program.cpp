@@ -131,11 +131,11 @@ Result<std::string> find_program(const std::string& name) {
     const auto own = std::filesystem::read_symlink("/proc/self/exe", error);
     if (error) return failure(ErrorCode::Internal, "cannot find " + name + ": /proc/self/exe: " + error.message());
     const auto folder = own.parent_path();
-    const std::array places{folder / name, folder.parent_path() / "lib" / "ccdt" / name};
-    const auto found = std::ranges::find_if(places, [&](const auto& place) { return exists(place, error); });
-    if (found != places.end()) return found->string();
-    return failure(ErrorCode::Internal, "cannot find " + name + ": neither " + places.front().string() + " nor " +
-                                            places.back().string() + " exists");
+    const std::array positions{folder / name, folder.parent_path() / "lib" / "ccdt" / name};
+    const auto found = std::ranges::find_if(positions, [&](const auto& position) { return exists(position, error); });
+    if (found != positions.end()) return found->string();
+    return failure(ErrorCode::Internal, "cannot find " + name + ": neither " + positions.front().string() + " nor " +
+                                            positions.back().string() + " exists");
 }
 
 Result<ChildProgram> spawn_sibling(const std::string& name, UniqueFd socket, std::vector<std::string> arguments) {

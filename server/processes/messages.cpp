@@ -139,8 +139,9 @@ bool receive_all(int socket, std::span<char> bytes) {
 
 int milliseconds_until(std::optional<std::chrono::steady_clock::time_point> time) {
     if (!time) return -1;
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(*time - std::chrono::steady_clock::now()).count();
-    return static_cast<int>(std::clamp<std::int64_t>(left, 0, 1'000'000'000));
+    const auto remaining =
+        std::chrono::ceil<std::chrono::milliseconds>(*time - std::chrono::steady_clock::now()).count();
+    return static_cast<int>(std::clamp<std::int64_t>(remaining, 0, 1'000'000'000));
 }
 
 }  // namespace ccdt::server

@@ -77,10 +77,10 @@ Result<RedisAddress> RedisAddress::parse(std::string_view text) {
         right = right && set_credentials(address, text.substr(0, at));
         text.remove_prefix(at + 1);
     }
-    const auto place = api::take_until(text, "/");
-    if (place.find(',') != std::string_view::npos)
+    const auto position = api::take_until(text, "/");
+    if (position.find(',') != std::string_view::npos)
         return failure(ErrorCode::Malformed, "several addresses are not supported; name one Redis");
-    right = right && set_place(address, place) && set_database(address, text);
+    right = right && set_place(address, position) && set_database(address, text);
     if (!right) return failure(ErrorCode::Malformed, "the address must have the form " + std::string(kExpected));
     return address;
 }

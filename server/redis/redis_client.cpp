@@ -10,7 +10,7 @@ namespace {
 /// Maximum number of connections. More would not help, because Redis runs one command at a time.
 constexpr std::size_t kMaxConnections = 16;
 
-constexpr std::chrono::milliseconds kLeastPause{50};
+constexpr std::chrono::milliseconds kMinPause{50};
 constexpr std::chrono::milliseconds kMaxPause{1'000};
 
 /// Error codes of a Redis that cannot run commands now, but may recover or be replaced by another server.
@@ -128,7 +128,7 @@ tl::unexpected<Error> RedisClient::late(const Error& error) {
 }
 
 void RedisClient::pause_locked(const Error& error) {
-    pause_ = std::clamp(2 * pause_, kLeastPause, kMaxPause);
+    pause_ = std::clamp(2 * pause_, kMinPause, kMaxPause);
     retry_ = Clock::now() + pause_;
     away_ = error;
 }

@@ -143,8 +143,8 @@ tl::unexpected<Error> RedisConnection::away(const std::string& why) const {
 /// Waits for an event on the socket; returns false if none has occurred by `until`.
 bool RedisConnection::wait(short events, Clock::time_point until) const {
     pollfd waited{socket_.get(), events, 0};
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now()).count();
-    return poll(&waited, 1, static_cast<int>(std::max<std::int64_t>(left, 0))) > 0;
+    const auto remaining = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now()).count();
+    return poll(&waited, 1, static_cast<int>(std::max<std::int64_t>(remaining, 0))) > 0;
 }
 
 Result<void> RedisConnection::connect(Clock::time_point deadline) {

@@ -10,7 +10,7 @@ namespace ccdt::server {
 namespace {
 
 constexpr std::chrono::milliseconds kDeadline{2'000};
-constexpr std::chrono::milliseconds kLeastPause{50};
+constexpr std::chrono::milliseconds kMinPause{50};
 constexpr std::chrono::milliseconds kMaxPause{1'000};
 
 /// Interval at which the thread checks for a stop request.
@@ -28,13 +28,13 @@ RedisSubscription::RedisSubscription(RedisAddress address, std::string channel, 
       thread_([this](const std::stop_token& closing) { listen(closing); }) {}
 
 void RedisSubscription::listen(const std::stop_token& closing) {
-    auto pause = kLeastPause;
+    auto pause = kMinPause;
     bool ended = false;  // `callbacks_.ended` was called
     while (!closing.stop_requested()) {
         const Error error = listen_once(closing);
         if (std::exchange(begun_, false)) {
             ended = false;
-            pause = kLeastPause;
+            pause = kMinPause;
         }
         if (closing.stop_requested()) return;
         if (!std::exchange(ended, true)) callbacks_.ended(error);

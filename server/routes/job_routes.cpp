@@ -95,12 +95,12 @@ HttpResult<Response> JobRoutes::result(const std::string& id, std::string_view i
 
 /// Returns the function that sends a large result in pieces.
 Stream JobRoutes::stream_of(const Job& job, std::string first) const {
-    return [this, id = job.id, left = job.result_bytes, piece = std::move(first)](const Send& send,
-                                                                                  Record& record) mutable {
+    return [this, id = job.id, remaining = job.result_bytes, piece = std::move(first)](const Send& send,
+                                                                                       Record& record) mutable {
         for (std::size_t number = 1;; ++number) {
-            const bool taken = piece.size() <= left && send(piece);
-            left -= std::min(left, piece.size());
-            if (!taken || left == 0) return taken;
+            const bool taken = piece.size() <= remaining && send(piece);
+            remaining -= std::min(remaining, piece.size());
+            if (!taken || remaining == 0) return taken;
             auto next = jobs_.piece(id, number);
             if (!next) {
                 record.cause = next.error().error.message;
@@ -131,7 +131,7 @@ HttpResult<Response> JobRoutes::events(const std::string& id, const Connection& 
 }
 
 /// Sends events until the job ends, the client disconnects or the server shuts down.
-void JobRoutes::send_events(Jobs::Watch watch, const Connection& connection, const Send& send) const {
+void JobRoutes::send_events(JobService::Watch watch, const Connection& connection, const Send& send) const {
     auto silent_since = Clock::now();
     while (!connection.client_gone()) {
         const bool last_look = jobs_.is_draining();

@@ -8,7 +8,7 @@
 #include "server/http/connection.h"
 #include "server/http/message.h"
 #include "server/http/problem.h"
-#include "server/jobs/jobs.h"
+#include "server/jobs/job_service.h"
 #include "server/pool/memory_budget.h"
 
 namespace ccdt::server {
@@ -19,7 +19,7 @@ public:
     /// @param memory  budget for results while they are sent
     /// @param ping    maximum time between two messages of an event stream
     /// `jobs` and `memory` must outlive this object and all streamed answers.
-    JobRoutes(Jobs& jobs, MemoryBudget& memory, std::chrono::milliseconds ping)
+    JobRoutes(JobService& jobs, MemoryBudget& memory, std::chrono::milliseconds ping)
         : jobs_(jobs), memory_(memory), ping_(ping) {}
 
     HttpResult<Response> status(const std::string& id, const Connection& connection) const;
@@ -29,9 +29,9 @@ public:
 
 private:
     Stream stream_of(const Job& job, std::string first) const;
-    void send_events(Jobs::Watch watch, const Connection& connection, const Send& send) const;
+    void send_events(JobService::Watch watch, const Connection& connection, const Send& send) const;
 
-    Jobs& jobs_;
+    JobService& jobs_;
     MemoryBudget& memory_;
     const std::chrono::milliseconds ping_;
 };

@@ -14,11 +14,11 @@
 #include "server/http/connection.h"
 #include "server/http/message.h"
 #include "server/http/problem.h"
-#include "server/jobs/jobs.h"
+#include "server/jobs/job_service.h"
 #include "server/monitoring/metrics.h"
 #include "server/pool/memory_budget.h"
 #include "server/pool/worker_pool.h"
-#include "server/routes/computing.h"
+#include "server/routes/compute_routes.h"
 #include "server/routes/incoming.h"
 #include "server/routes/job_routes.h"
 
@@ -36,7 +36,7 @@ public:
         WorkerPool& pool;
         MemoryBudget& waiting_memory;  ///< see Computing
         Compute compute;
-        Jobs& jobs;
+        JobService& jobs;
         const Metrics& metrics;
         Obstacle obstacle;
         std::function<void(const std::string&)> warn;  ///< logs a warning
@@ -51,7 +51,7 @@ public:
 
     const ResultCache& cache() const { return computing_.cache(); }
 
-    /// From now on, reports that the server is not ready, and refuses computations (see Computing::drain).
+    /// From now on, reports that the server is not ready, and refuses computations (see ComputeRoutes::drain).
     void drain() {
         draining_ = true;
         computing_.drain();
@@ -121,7 +121,7 @@ private:
     const Metrics& metrics_;
     const Obstacle obstacle_;
     const std::function<void(const std::string&)> warn_;
-    Computing computing_;
+    ComputeRoutes computing_;
     const std::optional<FileFolder> pictures_;   ///< none: GET /halftone/{name} is disabled
     const std::optional<FileFolder> documents_;  ///< none: GET /docs/{path} is disabled
     JobRoutes job_routes_;

@@ -18,8 +18,8 @@
 #include "server/decoder/decoder_supervisor.h"
 #include "server/http/http_server.h"
 #include "server/http/sockets.h"
+#include "server/jobs/job_service.h"
 #include "server/jobs/job_store.h"
-#include "server/jobs/jobs.h"
 #include "server/monitoring/log.h"
 #include "server/monitoring/metrics.h"
 #include "server/pool/memory_budget.h"
@@ -101,7 +101,7 @@ private:
     MemoryBudget waiting_memory_;
     WorkerPool pool_;
     Metrics metrics_;
-    Jobs jobs_;
+    JobService jobs_;
     std::atomic<std::uint64_t> shapefile_deaths_ = 0;  ///< see DecoderClient::deaths()
     Routes routes_;
     HttpServer server_;

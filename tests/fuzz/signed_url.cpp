@@ -53,7 +53,7 @@ void check_parts(const SignedUrl& url, std::string_view resource) {
 }
 
 /// Signs a text, and checks that it is accepted until it expires, and refused if one bit is changed.
-void check_signing(std::string_view text, std::size_t place) {
+void check_signing(std::string_view text, std::size_t position) {
     const char separator = text.find('?') == std::string_view::npos ? '?' : '&';
     std::string resource = std::string(text) + separator + std::string(kName) + server::sign(kKey, text);
     const auto url = SignedUrl::parse(resource);
@@ -62,7 +62,7 @@ void check_signing(std::string_view text, std::size_t place) {
     CCDT_CHECK(is_signed(resource, 0) == (!url->expires || *url->expires > 0));
     if (url->expires && *url->expires < 1'000'000)
         CCDT_CHECK(!is_signed(resource, static_cast<std::int64_t>(*url->expires)));
-    resource[place % resource.size()] ^= 1;
+    resource[position % resource.size()] ^= 1;
     CCDT_CHECK(!is_signed(resource, 0));
 }
 

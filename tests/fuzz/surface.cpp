@@ -80,7 +80,7 @@ void check_frame(const Surface& surface, const TriangleSoup& soup) {
         for (std::size_t k = 0; k < 3; ++k) {
             p = p + weights[k] * surface.from_input(soup.vertices[soup.triangles[surface.triangle_of(f)][k]]);
         }
-        CCDT_CHECK(length(p - surface.place(point)) < 1e-10);
+        CCDT_CHECK(length(p - surface.position(point)) < 1e-10);
     }
 }
 
@@ -88,11 +88,11 @@ void check_nearest(const Surface& surface, Point3 p) {
     const SurfacePoint nearest = surface.nearest(p);
     CCDT_CHECK(test::is_on(nearest, surface));
     if (!(std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) < 100)) return;
-    const double distance = length(surface.place(nearest) - p);
+    const double distance = length(surface.position(nearest) - p);
     for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
-        const auto places = surface.places(f);
-        if (ConnectedTriangles::is_flat(places)) continue;
-        const auto& [a, b, c] = places;
+        const auto positions = surface.positions(f);
+        if (ConnectedTriangles::is_flat(positions)) continue;
+        const auto& [a, b, c] = positions;
         for (const Point3& q : {a, b, c, 0.5 * (a + b), 0.2 * a + 0.3 * b + 0.5 * c}) {
             CCDT_CHECK(distance <= length(q - p) + 1e-9);
         }
@@ -107,7 +107,7 @@ void check_walk(const Surface& surface, Bytes& input) {
         point = surface.trace(before, move);
         CCDT_CHECK(test::is_on(point, surface));
         CCDT_CHECK(surface.component(point.face) == surface.component(before.face));
-        CCDT_CHECK(!(length(surface.place(point) - surface.place(before)) > length(move) + 1e-6));
+        CCDT_CHECK(!(length(surface.position(point) - surface.position(before)) > length(move) + 1e-6));
         CCDT_CHECK(std::abs(length(surface.smooth_normal(point)) - 1) < 1e-9);
         if (!std::isnan(move.x + move.y + move.z)) check_nearest(surface, move);
         if (i % 4 == 3)

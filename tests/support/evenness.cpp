@@ -56,9 +56,9 @@ Raster blurred(Raster raster, double sigma) {
 std::vector<Point> to_unit(const Domain& domain, const std::vector<Point>& sites) {
     const Box& box = domain.bounds();
     const double side = std::max(box.width(), box.height());
-    std::vector<Point> places;
-    for (const Point p : sites) places.push_back(1 / side * (p - box.min));
-    return places;
+    std::vector<Point> positions;
+    for (const Point p : sites) positions.push_back(1 / side * (p - box.min));
+    return positions;
 }
 
 }  // namespace
@@ -77,8 +77,8 @@ double noise(const Domain& domain, const std::vector<Point>& sites, double blur)
     land.values = coverage(border, size, static_cast<int>(land.columns), static_cast<int>(land.rows));
     Raster found{land.columns, land.rows, std::vector<double>(land.values.size(), 0)};
     for (const Point p : to_unit(domain, sites)) {
-        const auto share = [&](double place, std::size_t count) {
-            const double at = std::clamp(place / cell - 0.5, 0.0, static_cast<double>(count - 1));
+        const auto share = [&](double position, std::size_t count) {
+            const double at = std::clamp(position / cell - 0.5, 0.0, static_cast<double>(count - 1));
             const auto before = std::min(static_cast<std::size_t>(at), count - 2);
             return std::pair{before, at - static_cast<double>(before)};
         };
@@ -103,14 +103,14 @@ double noise(const Domain& domain, const std::vector<Point>& sites, double blur)
 
 std::vector<double> sorted_distances(const Domain& domain, const std::vector<Point>& sites) {
     constexpr double kReach = 8;
-    const auto places = to_unit(domain, sites);
+    const auto positions = to_unit(domain, sites);
     const double unit = hexagonal_spacing(static_cast<double>(sites.size()) / domain.unit_area());
-    const CellList cells(domain, places);
+    const CellList cells(domain, positions);
     std::vector<double> distances;
-    for (std::uint32_t i = 0; i < places.size(); ++i) {
+    for (std::uint32_t i = 0; i < positions.size(); ++i) {
         double nearest = kReach;
-        cells.for_near(places[i], kReach * unit, [&](Point place, std::uint32_t number) {
-            const Point apart = place - places[i];
+        cells.for_near(positions[i], kReach * unit, [&](Point position, std::uint32_t number) {
+            const Point apart = position - positions[i];
             if (number != i) nearest = std::min(nearest, std::sqrt(dot(apart, apart)) / unit);
         });
         distances.push_back(nearest);

@@ -60,7 +60,7 @@ void stir(Triangulation& mesh, Random& random) {
 std::size_t count_inverted(const Triangulation& mesh) {
     std::size_t inverted = 0;
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
-        const auto [a, b, c] = mesh.places(t);
+        const auto [a, b, c] = mesh.positions(t);
         if (exact_orientation(a, b, c) <= 0) ++inverted;
     }
     return inverted;
@@ -69,7 +69,7 @@ std::size_t count_inverted(const Triangulation& mesh) {
 std::size_t count_not_delaunay(const Triangulation& mesh) {
     std::size_t bad = 0;
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
-        const auto [a, b, c] = mesh.places(t);
+        const auto [a, b, c] = mesh.positions(t);
         for (std::uint32_t i = 0; i < 3; ++i) {
             const std::uint32_t h = Triangulation::edge(t, i), twin = mesh.twin(h);
             if (twin == Triangulation::kNone) continue;

@@ -84,12 +84,12 @@ Result<Block> read_pixel(const Input& input) {
     if (!pair.is_array() || pair.size() != 2)
         return malformed(input, "must be a pixel [x, y], or an object with x, y, width and height");
     Block block{0, 0, 1, 1, input.field};
-    std::size_t place = 0;
+    std::size_t position = 0;
     for (const JsonValue number : pair) {
-        const std::string field = pointer_below(input.field, place);
-        const auto read = assign(place == 0 ? block.x : block.y, read_integer({field, field, number}, 0, kMaxSide));
+        const std::string field = pointer_below(input.field, position);
+        const auto read = assign(position == 0 ? block.x : block.y, read_integer({field, field, number}, 0, kMaxSide));
         if (!read) return tl::unexpected(read.error());
-        ++place;
+        ++position;
     }
     return block;
 }

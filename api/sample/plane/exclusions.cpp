@@ -143,12 +143,12 @@ Result<Domain> without(const Domain& domain, const Exclusions& exclusions, const
 Result<Domain> without_buffer(const Domain& domain, const SampleRequest& request, const std::stop_token& stop) {
     constexpr double kTolerance = 1e-3;  // relative to the spacing of the sites
     const double spacing = hexagonal_spacing(static_cast<double>(request.run.sites) / domain.area());
-    auto left = inset(domain, request.region.buffer, kTolerance * spacing, stop);
-    if (left) return left;
+    auto remaining = inset(domain, request.region.buffer, kTolerance * spacing, stop);
+    if (remaining) return remaining;
     constexpr double kMargin = 1.02;  // the computed clearance and the buffer each have an error of up to one percent
     const double farthest = largest_clearance(domain, stop);
-    if (left.error().code != ErrorCode::Unusable || farthest > kMargin * request.region.buffer)
-        return failure(left.error().code, left.error().message, request.field_of("buffer"));
+    if (remaining.error().code != ErrorCode::Unusable || farthest > kMargin * request.region.buffer)
+        return failure(remaining.error().code, remaining.error().message, request.field_of("buffer"));
     return failure(
         ErrorCode::Unusable,
         "no place is as far from the border as the buffer: the largest distance is " + format_distance(farthest),

@@ -53,9 +53,9 @@ std::vector<std::uint32_t> along_paths(const ClassDots& dots, const std::stop_to
 }
 
 std::vector<std::uint32_t> inverse(std::span<const std::uint32_t> order) {
-    std::vector<std::uint32_t> places(order.size());
-    for (std::uint32_t i = 0; i < order.size(); ++i) places[order[i]] = i;
-    return places;
+    std::vector<std::uint32_t> positions(order.size());
+    for (std::uint32_t i = 0; i < order.size(); ++i) positions[order[i]] = i;
+    return positions;
 }
 
 }  // namespace

@@ -212,11 +212,11 @@ Result<void> exclude(const SampleRequest& request, const Limits& limits, const D
                      const std::stop_token& stop, SampleArea& area) {
     auto exclusions = find_exclusions(request, area.whole.bounds(), limits, decode, stop);
     if (!exclusions) return tl::unexpected(exclusions.error());
-    auto left = without(area.whole, *exclusions, request, stop);
+    auto remaining = without(area.whole, *exclusions, request, stop);
     const bool is_eroded = request.region.buffer > 0 && !request.region.is_on_globe();
-    if (left && is_eroded) left = without_buffer(*left, request, stop);
-    if (!left) return tl::unexpected(left.error());
-    area.whole = *std::move(left);
+    if (remaining && is_eroded) remaining = without_buffer(*remaining, request, stop);
+    if (!remaining) return tl::unexpected(remaining.error());
+    area.whole = *std::move(remaining);
     std::ranges::move(exclusions->repairs, std::back_inserter(area.repairs));
     if (!request.counts) return {};
     const auto cut = [&](const Domain& feature) { return without(feature, *exclusions, request, stop); };
@@ -239,7 +239,8 @@ Result<SampleArea> make_area(const SampleRequest& request, const Limits& limits,
     warn_of_omitted(request.region.avoid, false, area->warnings);
     warn_of_system(request, area->warnings);
     if (!request.region.has_exclusions()) return area;
-    if (auto left = exclude(request, limits, decode, stop, *area); !left) return tl::unexpected(left.error());
+    if (auto remaining = exclude(request, limits, decode, stop, *area); !remaining)
+        return tl::unexpected(remaining.error());
     return area;
 }
 

@@ -53,9 +53,9 @@ std::size_t dark_corners(const SampleRequest& request) {
 Estimate domain_cost(const SampleRequest& request) {
     const std::size_t corners = corners_of(request.region.domain), avoided = request.region.avoid.corner_count();
     const Estimate made = then(domain_cost(corners), domain_cost(avoided));
-    const Estimate left = avoided == 0 ? made : then(made, domain_cost(corners + avoided));
+    const Estimate remaining = avoided == 0 ? made : then(made, domain_cost(corners + avoided));
     const std::size_t dark = dark_corners(request);
-    const Estimate seen = dark == 0 ? left : then(left, domain_cost(corners + avoided + dark));
+    const Estimate seen = dark == 0 ? remaining : then(remaining, domain_cost(corners + avoided + dark));
     return request.region.buffer > 0 ? then(seen, buffer_cost(static_cast<double>(corners + avoided + dark))) : seen;
 }
 

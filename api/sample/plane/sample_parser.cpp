@@ -262,13 +262,13 @@ std::vector<std::optional<Point3>> middles(const Draft& draft) {
     const std::span<const PolygonPart> parts = draft.geometry->parts;
     // A single feature has all parts.
     const auto first_part = draft.source->is_collection ? draft.geometry->features : std::vector<std::size_t>{0};
-    std::vector<std::optional<Point3>> places;
+    std::vector<std::optional<Point3>> positions;
     for (std::size_t i = 0; i < first_part.size(); ++i) {
         const std::size_t end = i + 1 < first_part.size() ? first_part[i + 1] : parts.size();
-        places.push_back(
+        positions.push_back(
             middle_of(parts.subspan(first_part[i], end - first_part[i]), draft.request.region.is_on_globe()));
     }
-    return places;
+    return positions;
 }
 
 /// Computes the number of points of each feature, if the request is for a dot map.

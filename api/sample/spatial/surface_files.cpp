@@ -117,19 +117,19 @@ std::string describe_glb(int mode, std::span<const GlbArray> arrays, const Bound
 }
 
 /// Writes a glTF file with one primitive.
-/// @param place   returns the position of a vertex
+/// @param position   returns the position of a vertex
 /// @param arrays  further arrays, after the positions
-template <class Place>
-Result<void> write_glb(int mode, std::size_t vertices, Place place, std::vector<GlbArray> arrays, Body& body,
+template <class Position>
+Result<void> write_glb(int mode, std::size_t vertices, Position position, std::vector<GlbArray> arrays, Body& body,
                        const std::stop_token& stop) {
     constexpr std::size_t kFileHeader = 12, kChunkHeader = 8, kAlignment = 4;
     Bounds bounds;
-    for (std::size_t i = 0; i < vertices; ++i) bounds.include(place(i));
+    for (std::size_t i = 0; i < vertices; ++i) bounds.include(position(i));
     const Point3 reference = bounds.reference();
     if (auto fits = bounds.check_floats(reference); !fits) return fits;
     std::string& out = body.text();
-    arrays.insert(arrays.begin(),
-                  {"POSITION", "VEC3", vertices, 12, [&](std::size_t i) { append_floats(out, place(i) - reference); }});
+    arrays.insert(arrays.begin(), {"POSITION", "VEC3", vertices, 12,
+                                   [&](std::size_t i) { append_floats(out, position(i) - reference); }});
     std::string json = describe_glb(mode, arrays, bounds, reference);
     json.append((kAlignment - json.size() % kAlignment) % kAlignment, ' ');
     std::size_t content = 0;
@@ -170,7 +170,7 @@ std::vector<Column> PlacedSurface::columns() const {
 }
 
 void PlacedSurface::read_row(std::size_t i, std::vector<double>& row) const {
-    const Point3 at = place(i), across = normal(i);
+    const Point3 at = position(i), across = normal(i);
     const auto [u, v, w] = weights(i);
     row.assign({at.x, at.y, at.z, static_cast<double>(face(i)), u, v, w, across.x, across.y, across.z});
     if (has_colours()) {
@@ -215,7 +215,7 @@ Result<void> write_glb_points(const PlacedSurface& placed, Body& body, const std
                           append_floats(out, {u, v, w});
                       }});
     return write_glb(
-        0, size, [&](std::size_t i) { return placed.place(i); }, std::move(arrays), body, stop);
+        0, size, [&](std::size_t i) { return placed.position(i); }, std::move(arrays), body, stop);
 }
 
 Result<void> write_glb_mesh(const PlacedSurface& placed, Body& body, const std::stop_token& stop) {

@@ -38,7 +38,7 @@ struct PlacedSurface {
     std::array<double, 3> weights(std::size_t i) const { return surface.original_weights(dots.points[i]); }
 
     /// Returns the position of point i in the coordinates of the file.
-    Point3 place(std::size_t i) const {
+    Point3 position(std::size_t i) const {
         const auto [u, v, w] = weights(i);
         const auto& [a, b, c] = soup.triangles[face(i)];
         return u * soup.vertices[a] + v * soup.vertices[b] + w * soup.vertices[c];

@@ -15,7 +15,7 @@ Result<void> write_json(const PlacedSurface& placed, Body& body, const std::stop
         body.text().append(name);
         write_list(body, size, append_element, stop);
     };
-    write("{\"points\":", [&](std::string& out, std::size_t i) { append_position(out, placed.place(i)); });
+    write("{\"points\":", [&](std::string& out, std::size_t i) { append_position(out, placed.position(i)); });
     write(",\"faces\":", [&](std::string& out, std::size_t i) { append_index(out, placed.face(i)); });
     write(",\"barycentric\":", [&](std::string& out, std::size_t i) { append_numbers(out, placed.weights(i)); });
     write(",\"normals\":", [&](std::string& out, std::size_t i) { append_position(out, placed.normal(i)); });

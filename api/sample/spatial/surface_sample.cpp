@@ -114,8 +114,8 @@ void warn_of_rounding(const SurfaceRequest& request, const Surface& surface, std
     if (request.format->file.name != std::string_view("stl")) return;
     const Point3 corner = surface.to_input({0, 0, 0});
     const double rounding = 0x1p-24 * std::max({std::abs(corner.x), std::abs(corner.y), std::abs(corner.z)});
-    constexpr double kMost = 1e-6;  // relative to the size of the mesh
-    if (rounding <= kMost * surface.scale()) return;
+    constexpr double kMax = 1e-6;  // relative to the size of the mesh
+    if (rounding <= kMax * surface.scale()) return;
     std::string detail = "STL has 32-bit floats, which round these coordinates by up to ";
     append_shortest(detail, static_cast<float>(rounding));
     warnings.push_back({detail + "; PLY, OBJ and GLB keep them"});
@@ -125,15 +125,15 @@ void warn_of_rounding(const SurfaceRequest& request, const Surface& surface, std
 void order_points(const SurfaceRequest& request, const Surface& surface, const SurfaceDensity& density,
                   const Control& control, SurfaceDistribution& dots) {
     if (request.order != PointOrder::Progressive) return;
-    std::vector<Point3> places, normals;
+    std::vector<Point3> positions, normals;
     for (const SurfacePoint& point : dots.points) {
-        places.push_back(surface.place(point));
+        positions.push_back(surface.position(point));
         normals.push_back(surface.smooth_normal(point));
     }
     const bool uniform = density.is_uniform() && request.run.fixed.empty();
     set_order(dots,
-              progressive_order_on_surface(places, normals, surface.total_area(), uniform, surface.border_edges() == 0,
-                                           control.stop, *control.executor),
+              progressive_order_on_surface(positions, normals, surface.total_area(), uniform,
+                                           surface.border_edges() == 0, control.stop, *control.executor),
               control.stop);
 }
 

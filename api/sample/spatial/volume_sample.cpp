@@ -100,10 +100,10 @@ Result<void> check_quality(const VolumeRequest& request) {
     if (!request.run.fixed.empty()) return wrong("quality", "stealthy allows no fixed points");
     if (auto checked = check_quality_for_density(request, request.density.is_uniform.value_or(true)); !checked)
         return checked;
-    constexpr double kFewest = 16;  // sites in a cube; with fewer, power above -100 dB may remain
+    constexpr double kMin = 16;  // sites in a cube; with fewer, power above -100 dB may remain
     const auto& [x, y, z] = request.domain.sides;
     const double side = std::min({x, y, z});
-    if (static_cast<double>(request.run.sites) >= kFewest * (x / side) * (y / side) * (z / side)) return {};
+    if (static_cast<double>(request.run.sites) >= kMin * (x / side) * (y / side) * (z / side)) return {};
     return wrong("quality", "stealthy needs at least 16 sites for each cube with the shortest side of the torus");
 }
 

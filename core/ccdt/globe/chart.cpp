@@ -51,16 +51,16 @@ Direction normalised(Direction v) {
     return 1 / std::sqrt(dot(v, v)) * v;
 }
 
-Direction direction_of(Point place) {
-    if (std::abs(place.y) >= 90) return {0, 0, std::copysign(1.0, place.y)};
-    double longitude = std::remainder(place.x, 360);
+Direction direction_of(Point position) {
+    if (std::abs(position.y) >= 90) return {0, 0, std::copysign(1.0, position.y)};
+    double longitude = std::remainder(position.x, 360);
     if (longitude == 180) longitude = -180;
-    const double tangent = conformal_tangent(std::tan(place.y * kDegree));
+    const double tangent = conformal_tangent(std::tan(position.y * kDegree));
     const double cosine = 1 / std::sqrt(1 + tangent * tangent);
     return {cosine * std::cos(longitude * kDegree), cosine * std::sin(longitude * kDegree), tangent * cosine};
 }
 
-Point place_of(Direction direction) {
+Point position_of(Direction direction) {
     const double latitude = std::atan(geodetic_tangent(conformal_tangent(direction))) / kDegree;
     return {std::atan2(direction.y, direction.x) / kDegree, latitude};
 }

@@ -24,15 +24,15 @@ Direction normalised(Direction v);
 
 /// Maps the WGS 84 ellipsoid conformally onto the unit sphere: latitudes become conformal latitudes.
 ///
-/// @param place  longitude, plus any number of turns, and latitude in [-90, 90]; degrees. Longitudes that differ by
+/// @param position  longitude, plus any number of turns, and latitude in [-90, 90]; degrees. Longitudes that differ by
 ///               whole turns give identical bytes, and so do all longitudes of a pole.
 ///
 /// Source: Karney, Transverse Mercator with an accuracy of a few nanometers, J. Geodesy 85 (2011), eqs. 7 to 9.
-Direction direction_of(Point place);
+Direction direction_of(Point position);
 
 /// Computes the inverse of direction_of(), by Newton's method, to double precision. The longitude is in [-180, 180].
 /// Source: Karney 2011, as for direction_of(), eqs. 19 to 21.
-Point place_of(Direction direction);
+Point position_of(Direction direction);
 
 /// A conformal map of the ellipsoid, except for one point, onto a plane. It maps the ellipsoid to the sphere, and the
 /// sphere to the plane by stereographic projection from the point opposite the centre. The centre maps to the origin,

@@ -9,24 +9,24 @@
 
 namespace ccdt {
 
-Disc disc_on_ground(const Chart& chart, Point place, double metres) {
+Disc disc_on_ground(const Chart& chart, Point position, double metres) {
     constexpr double kMax = 0.99 * std::numbers::pi;  // largest angle from the chart's centre
     constexpr double kMargin = 1e-3;
     constexpr double kVaries = 0.007;  // relative change of the length of a metre on the sphere, per radian of latitude
-    const double squared = dot(place, place), length = std::sqrt(squared);
-    const double radian = std::sqrt(chart.ground(place)) * (1 + squared / 4);
+    const double squared = dot(position, position), length = std::sqrt(squared);
+    const double radian = std::sqrt(chart.ground(position)) * (1 + squared / 4);
     const double from_centre = 2 * std::atan(length / 2), least = metres / radian;
     const double angle = (1 + kMargin + kVaries * least) * least;
-    if (!(from_centre + angle < kMax)) return {place, std::numeric_limits<double>::max()};
+    if (!(from_centre + angle < kMax)) return {position, std::numeric_limits<double>::max()};
     const double nearest = 2 * std::tan((from_centre - angle) / 2), farthest = 2 * std::tan((from_centre + angle) / 2);
-    const Point outwards = length > 0 ? 1 / length * place : Point{1, 0};
+    const Point outwards = length > 0 ? 1 / length * position : Point{1, 0};
     return {(nearest + farthest) / 2 * outwards, (farthest - nearest) / 2};
 }
 
 Result<void> keep_off_border(ChartedPart& part, double buffer, const std::stop_token& stop) {
     constexpr double kOnSeam = 1e-5;  // relative; edges of the circle are chords, other borders are degrees away
     if (!(buffer > 0)) return {};
-    const double metres = std::max(buffer, kLeastBuffer) + part.error;
+    const double metres = std::max(buffer, kMinBuffer) + part.error;
     const DiscAround disc_around = [&](Point p) {
         const bool is_cut = std::abs(std::sqrt(dot(p, p)) - part.seam) < kOnSeam * part.seam;
         return is_cut ? Disc{} : disc_on_ground(part.chart, p, metres);

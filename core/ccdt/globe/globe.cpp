@@ -23,17 +23,17 @@ namespace {
 /// @param taken  [parts] number of sites for which there would be space on the ground that fixed points take
 std::vector<std::size_t> shared_out(std::size_t sites, const std::vector<PlaneDensity>& densities,
                                     const std::vector<double>& taken) {
-    double all = 0, places = static_cast<double>(sites);
+    double all = 0, positions = static_cast<double>(sites);
     for (const PlaneDensity& each : densities) all += each.total;
-    for (const double each : taken) places += each;
+    for (const double each : taken) positions += each;
     std::vector<std::size_t> shares(densities.size());
-    std::size_t left = sites;
+    std::size_t remaining = sites;
     for (std::size_t i = densities.size(); i-- > 1;) {
-        const double share = all > 0 ? std::max(0.0, densities[i].total / all * places - taken[i]) : 0;
-        shares[i] = std::min(left, static_cast<std::size_t>(std::lround(share)));
-        left -= shares[i];
+        const double share = all > 0 ? std::max(0.0, densities[i].total / all * positions - taken[i]) : 0;
+        shares[i] = std::min(remaining, static_cast<std::size_t>(std::lround(share)));
+        remaining -= shares[i];
     }
-    shares.front() = left;
+    shares.front() = remaining;
     return shares;
 }
 
@@ -68,7 +68,7 @@ void to_degrees(const Chart& chart, const InverseProjection& back, Distribution&
     std::vector<Point>& vertices = placed.mesh->vertices;
     const auto sites = static_cast<std::ptrdiff_t>(placed.points.size());
     std::ranges::copy(placed.points, vertices.begin());
-    for (Point& p : std::span(vertices.begin() + sites, vertices.end())) p = place_of(chart.to_direction(p));
+    for (Point& p : std::span(vertices.begin() + sites, vertices.end())) p = position_of(chart.to_direction(p));
 }
 
 /// Joins two meshes. In both meshes, and in the result, sites come before other vertices.

@@ -24,10 +24,10 @@ InverseProjection::InverseProjection(const Domain& degrees)
     : west_(degrees.bounds().min.x), inside_(rings_of(degrees)) {}
 
 Point InverseProjection::operator()(const Chart& chart, Point plane) const {
-    const Point place = place_of(chart.to_direction(plane));
-    const Point turned{place.x + longitude_wrap_offset(place.x, west_), place.y};
-    const Point nudged = inside_.nearest(turned, std::cos(place.y * kDegree));
-    return nudged == turned ? place : Point{std::remainder(nudged.x, kTurn), nudged.y};
+    const Point position = position_of(chart.to_direction(plane));
+    const Point turned{position.x + longitude_wrap_offset(position.x, west_), position.y};
+    const Point nudged = inside_.nearest(turned, std::cos(position.y * kDegree));
+    return nudged == turned ? position : Point{std::remainder(nudged.x, kTurn), nudged.y};
 }
 
 }  // namespace ccdt

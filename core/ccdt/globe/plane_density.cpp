@@ -39,15 +39,15 @@ class Wanted {
 public:
     Wanted(const Domain& degrees, const Density& density) : box_(degrees.bounds()), density_(density) {}
 
-    double operator()(Point place) const {
-        place.x += longitude_wrap_offset(place.x, box_.min.x);
+    double operator()(Point position) const {
+        position.x += longitude_wrap_offset(position.x, box_.min.x);
         // A position outside the box belongs to the nearer one of its west and east sides.
-        if (place.x - box_.max.x > (kTurn - box_.width()) / 2) place.x -= kTurn;
+        if (position.x - box_.max.x > (kTurn - box_.width()) / 2) position.x -= kTurn;
         const auto index = [](double share, int cells) {
             return std::clamp(static_cast<int>(std::clamp(share, 0.0, 1.0) * cells), 0, cells - 1);
         };
-        return density_.value(index((place.x - box_.min.x) / box_.width(), density_.width()),
-                              index((place.y - box_.min.y) / box_.height(), density_.height()));
+        return density_.value(index((position.x - box_.min.x) / box_.width(), density_.width()),
+                              index((position.y - box_.min.y) / box_.height(), density_.height()));
     }
 
 private:
@@ -71,7 +71,7 @@ Raster draw(const ChartedPart& part, const Domain& degrees, const Density& densi
             const Point p{box.min.x + (column + 0.5) / raster.columns * box.width(),
                           box.min.y + (row + 0.5) / raster.rows * box.height()};
             double value = part.chart.ground(p);
-            if (!density.is_uniform()) value *= wanted(place_of(part.chart.to_direction(p)));
+            if (!density.is_uniform()) value *= wanted(position_of(part.chart.to_direction(p)));
             raster.values.push_back(value);
         }
     }

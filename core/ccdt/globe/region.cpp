@@ -118,16 +118,16 @@ Ring cut(const Ring& ring, double meridian, double sign) {
 }
 
 /// A point far from any border, and whether it lies in the region.
-struct Far {
+struct FarPoint {
     Direction direction;
     double distance = 0;  ///< angle on the sphere, in radians
     bool is_inside = false;
 };
 
 /// Projects a region in degrees onto charts.
-class Charting {
+class ChartBuilder {
 public:
-    Charting(const Domain& degrees, std::size_t sites, double buffer, const std::stop_token& stop);
+    ChartBuilder(const Domain& degrees, std::size_t sites, double buffer, const std::stop_token& stop);
 
     Result<std::vector<ChartedPart>> execute();
 
@@ -152,8 +152,8 @@ private:
     void sample_border();
     bool contains(Direction direction) const;
     double distance_to_border(Direction direction) const;
-    void improve(Far& far) const;
-    Far far_from_border() const;
+    void improve(FarPoint& far) const;
+    FarPoint far_from_border() const;
     std::optional<Chart> simple_chart() const;
     double deviation(const Chart& chart, Point a, Point b) const;
     template <class Visit>
@@ -165,7 +165,7 @@ private:
     void project_edge(const Chart& chart, double tolerance, Point a, Point b, Ring& plane) const;
     std::vector<Ring> project_rings(const Chart& chart, double tolerance) const;
     Result<std::vector<ChartedPart>> on_one_chart(const Chart& chart) const;
-    Result<std::vector<ChartedPart>> on_two_charts(const Far& far) const;
+    Result<std::vector<ChartedPart>> on_two_charts(const FarPoint& far) const;
 
     const std::stop_token& stop_;
     const double sites_;
@@ -181,14 +181,14 @@ private:
     double coarsest_ = 0;            ///< largest tolerance of edges, in radians on the ground
 };
 
-Charting::Charting(const Domain& degrees, std::size_t sites, double buffer, const std::stop_token& stop)
+ChartBuilder::ChartBuilder(const Domain& degrees, std::size_t sites, double buffer, const std::stop_token& stop)
     : stop_(stop),
       sites_(static_cast<double>(sites)),
-      buffer_(buffer > 0 ? std::max(buffer, kLeastBuffer) / kMinRadius : 0),
+      buffer_(buffer > 0 ? std::max(buffer, kMinBuffer) / kMinRadius : 0),
       west_(degrees.bounds().min.x),
       east_(degrees.bounds().max.x) {
     closes_ = east_ - west_ > kTurn - kClose;
-    const auto put_right = [&](Point p) {
+    const auto corrected = [&](Point p) {
         if (closes_ && p.x > west_ + kTurn - kClose) p.x = west_ + kTurn;
         if (p.x < west_ + kClose) p.x = west_;
         if (std::abs(p.y) > 90 - kClose) p.y = std::copysign(90.0, p.y);
@@ -196,14 +196,14 @@ Charting::Charting(const Domain& degrees, std::size_t sites, double buffer, cons
     };
     for (const Ring& ring : degrees.rings()) {
         Ring& own = rings_.emplace_back();
-        for (const Point& p : ring) own.push_back(put_right(degrees.to_user(p)));
+        for (const Point& p : ring) own.push_back(corrected(degrees.to_user(p)));
     }
     if (closes_) east_ = west_ + kTurn;
 }
 
 /// Calls `visit(piece, from, to)` for the pieces of an edge on the seam, in order.
 template <class Visit>
-void Charting::for_pieces_of_seam(Point a, Point b, Visit visit) const {
+void ChartBuilder::for_pieces_of_seam(Point a, Point b, Visit visit) const {
     const auto index = [&](double latitude) {
         return static_cast<std::size_t>(std::ranges::lower_bound(seam_, latitude) - seam_.begin());
     };
@@ -216,7 +216,7 @@ void Charting::for_pieces_of_seam(Point a, Point b, Visit visit) const {
     }
 }
 
-void Charting::find_seam() {
+void ChartBuilder::find_seam() {
     if (!closes_) return;
     for (const Ring& ring : rings_) {
         for (const Point& p : ring) {
@@ -231,7 +231,7 @@ void Charting::find_seam() {
     });
 }
 
-void Charting::sample_border() {
+void ChartBuilder::sample_border() {
     constexpr double kStep = 1, kMax = 1e6;
     constexpr std::size_t kLookedAt = 4'096;
     double length = 0;
@@ -246,25 +246,25 @@ void Charting::sample_border() {
     stride_ = 1 + border_.size() / kLookedAt;
 }
 
-bool Charting::contains(Direction direction) const {
-    Point place = place_of(direction);
-    place.x += longitude_wrap_offset(place.x, west_);
+bool ChartBuilder::contains(Direction direction) const {
+    Point position = position_of(direction);
+    position.x += longitude_wrap_offset(position.x, west_);
     bool inside = false;
     for_edges([&](Point a, Point b) {
-        if ((a.x <= place.x) == (b.x <= place.x)) return;
-        if (a.y + (place.x - a.x) / (b.x - a.x) * (b.y - a.y) > place.y) inside = !inside;
+        if ((a.x <= position.x) == (b.x <= position.x)) return;
+        if (a.y + (position.x - a.x) / (b.x - a.x) * (b.y - a.y) > position.y) inside = !inside;
     });
     return inside;
 }
 
-double Charting::distance_to_border(Direction direction) const {
+double ChartBuilder::distance_to_border(Direction direction) const {
     double nearest = -1;
     for (std::size_t i = 0; i < border_.size(); i += stride_) nearest = std::max(nearest, dot(direction, border_[i]));
     return std::acos(std::clamp(nearest, -1.0, 1.0));
 }
 
 /// Moves a point to the local maximum of its distance from the border.
-void Charting::improve(Far& far) const {
+void ChartBuilder::improve(FarPoint& far) const {
     constexpr double kFirst = 0.1, kLast = 1e-4, kGain = 1e-9;
     for (double step = kFirst; step > kLast;) {
         const Chart around(far.direction);
@@ -283,27 +283,27 @@ void Charting::improve(Far& far) const {
 
 /// Finds the point outside the region that is farthest from the border. If it is less than 5 degrees from the border,
 /// and a point inside the region is farther, finds the farthest point inside.
-Far Charting::far_from_border() const {
+FarPoint ChartBuilder::far_from_border() const {
     constexpr int kTried = 2'000;
     constexpr double kFree = 5 * kDegree;  // with a free cap of this radius, the scale varies by a factor of 525
     const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
-    Far outside, inside{{0, 0, 0}, 0, true};
+    FarPoint outside, inside{{0, 0, 0}, 0, true};
     for (int i = 0; i < kTried; ++i) {
         const double z = 1 - (2 * i + 1.0) / kTried, across = std::sqrt(1 - z * z);
         const Direction there{across * std::cos(i * golden), across * std::sin(i * golden), z};
         const double distance = distance_to_border(there);
         if (distance <= std::min(outside.distance, inside.distance)) continue;
-        Far& known = contains(there) ? inside : outside;
+        FarPoint& known = contains(there) ? inside : outside;
         if (distance > known.distance) known = {there, distance, known.is_inside};
     }
-    for (Far* each : {&outside, &inside}) {
+    for (FarPoint* each : {&outside, &inside}) {
         if (each->distance > 0) improve(*each);
     }
     return outside.distance >= std::min(kFree, inside.distance) ? outside : inside;
 }
 
 /// Returns the chart of a region that is small relative to the globe; none if the region is larger.
-std::optional<Chart> Charting::simple_chart() const {
+std::optional<Chart> ChartBuilder::simple_chart() const {
     constexpr double kMax = 0.5;  // cosine of the largest angle from the centre
     Direction sum{0, 0, 0};
     for (const Direction& each : border_) sum = sum + each;
@@ -314,7 +314,7 @@ std::optional<Chart> Charting::simple_chart() const {
     return Chart(mean);
 }
 
-double Charting::pitch() const {
+double ChartBuilder::pitch() const {
     double area = 0;
     for_edges([&](Point a, Point b) { area -= std::sin((a.y + b.y) / 2 * kDegree) * (b.x - a.x) * kDegree; });
     constexpr double kMin = 1e-20;
@@ -322,7 +322,7 @@ double Charting::pitch() const {
 }
 
 /// Returns the deviation of an edge from a straight line on a chart, as a distance on the ground.
-double Charting::deviation(const Chart& chart, Point a, Point b) const {
+double ChartBuilder::deviation(const Chart& chart, Point a, Point b) const {
     const Point from = chart.to_plane(direction_of(a)), along = chart.to_plane(direction_of(b)) - from;
     double most = 0;
     for (const double part : {0.25, 0.5, 0.75}) {
@@ -335,7 +335,7 @@ double Charting::deviation(const Chart& chart, Point a, Point b) const {
 
 /// Calls `visit(from, to)` for pieces of an edge that are at most four degrees long, in order.
 template <class Visit>
-void Charting::for_chunks(Point a, Point b, Visit visit) {
+void ChartBuilder::for_chunks(Point a, Point b, Visit visit) {
     constexpr double kLong = 4;
     const Point along = b - a;
     const int pieces = std::max(1, static_cast<int>(std::ceil(std::sqrt(dot(along, along)) / kLong)));
@@ -352,7 +352,7 @@ bool is_straight(Point a, Point b, double tolerance) {
 /// Calls `visit(a, b)` for all edges that count as border. Edges along a pole, and pieces common to both sides of the
 /// seam, do not count. All other edges are curved on a chart.
 template <class Visit>
-void Charting::for_bent_edges(Visit visit) const {
+void ChartBuilder::for_bent_edges(Visit visit) const {
     for_edges([&](Point a, Point b) {
         if (is_pole(a, b)) return;
         if (!is_seam(a, b)) return visit(a, b);
@@ -365,7 +365,7 @@ void Charting::for_bent_edges(Visit visit) const {
 /// Returns the tolerance for edges on a chart, in radians on the ground. A small buffer requires a fine tolerance, but
 /// the number of pieces is limited. If there are very many corners, `inset` simplifies the border coarsely, so the
 /// tolerance may be coarse.
-double Charting::tolerance(const Chart& chart) const {
+double ChartBuilder::tolerance(const Chart& chart) const {
     constexpr double kMaxPieces = 10'000, kCoarser = 10;
     constexpr std::size_t kVeryManyCorners = 50'000;
     const double wanted = buffer_ / kBentTo;
@@ -383,13 +383,13 @@ double Charting::tolerance(const Chart& chart) const {
 }
 
 /// Returns the deviation of edges in metres, or 0 if it is negligible relative to the buffer.
-double Charting::error(double tolerance) const {
+double ChartBuilder::error(double tolerance) const {
     constexpr double kMaxRadius = 6'399'594;
     return buffer_ > 0 && tolerance > buffer_ / kBentTo ? tolerance * kMaxRadius : 0;
 }
 
 /// Appends the approximation of an edge on a chart, without the end point.
-void Charting::project_edge(const Chart& chart, double tolerance, Point a, Point b, Ring& plane) const {
+void ChartBuilder::project_edge(const Chart& chart, double tolerance, Point a, Point b, Ring& plane) const {
     constexpr double kMaxPieces = 1'000;
     for_chunks(a, b, [&](Point from, Point to) {
         plane.push_back(chart.to_plane(direction_of(from)));
@@ -403,7 +403,7 @@ void Charting::project_edge(const Chart& chart, double tolerance, Point a, Point
 
 /// Returns the rings in the plane of a chart. Edges common to both sides of the seam become lines that are traversed
 /// twice.
-std::vector<Ring> Charting::project_rings(const Chart& chart, double tolerance) const {
+std::vector<Ring> ChartBuilder::project_rings(const Chart& chart, double tolerance) const {
     std::vector<Ring> planes;
     for (const Ring& ring : rings_) {
         Ring& plane = planes.emplace_back();
@@ -424,7 +424,7 @@ std::vector<Ring> Charting::project_rings(const Chart& chart, double tolerance) 
     return planes;
 }
 
-Result<std::vector<ChartedPart>> Charting::on_one_chart(const Chart& chart) const {
+Result<std::vector<ChartedPart>> ChartBuilder::on_one_chart(const Chart& chart) const {
     const double tolerance = this->tolerance(chart);
     auto domain = Domain::enclosed_by(project_rings(chart, tolerance), stop_);
     if (!domain) return tl::unexpected(domain.error());
@@ -452,7 +452,7 @@ Ring circle(double angle) {
 
 /// Divides the region along a circle around a point far from the border. The second part is the inside of the circle.
 /// @param far  point inside the region
-Result<std::vector<ChartedPart>> Charting::on_two_charts(const Far& far) const {
+Result<std::vector<ChartedPart>> ChartBuilder::on_two_charts(const FarPoint& far) const {
     constexpr double kMaxAngle = 20 * kDegree, kMinAngle = kDegree;
     const double angle = std::min(kMaxAngle, far.distance - 2 * step_ - buffer_);
     if (angle < kMinAngle) {
@@ -474,12 +474,12 @@ Result<std::vector<ChartedPart>> Charting::on_two_charts(const Far& far) const {
     return parts;
 }
 
-Result<Domain> Charting::project_onto(const Chart& chart, double pitch) {
+Result<Domain> ChartBuilder::project_onto(const Chart& chart, double pitch) {
     find_seam();
     return Domain::enclosed_by(project_rings(chart, kTolerance * pitch), stop_);
 }
 
-Result<std::vector<ChartedPart>> Charting::execute() {
+Result<std::vector<ChartedPart>> ChartBuilder::execute() {
     constexpr double kMinExtent = 1e-7;  // in degrees: a centimetre
     find_seam();
     sample_border();
@@ -491,7 +491,7 @@ Result<std::vector<ChartedPart>> Charting::execute() {
     const Direction in_the_pacific = direction_of({-150, -30});
     if (border_.empty()) return on_two_charts({in_the_pacific, std::numbers::pi, true});
     if (const auto chart = simple_chart()) return on_one_chart(*chart);
-    const Far far = far_from_border();
+    const FarPoint far = far_from_border();
     return far.is_inside ? on_two_charts(far) : on_one_chart(Chart(-far.direction));
 }
 
@@ -532,15 +532,15 @@ Result<Domain> in_one_turn(const Domain& degrees, const std::stop_token& stop) {
 
 Result<std::vector<ChartedPart>> chart_region(const Domain& degrees, std::size_t sites, double buffer,
                                               const std::stop_token& stop) {
-    return Charting(degrees, sites, buffer, stop).execute();
+    return ChartBuilder(degrees, sites, buffer, stop).execute();
 }
 
 double ground_pitch(const Domain& degrees, std::size_t sites) {
-    return Charting(degrees, sites, 0, {}).pitch();
+    return ChartBuilder(degrees, sites, 0, {}).pitch();
 }
 
 Result<Domain> lay_on_chart(const Chart& chart, const Domain& degrees, double pitch, const std::stop_token& stop) {
-    return Charting(degrees, 1, 0, stop).project_onto(chart, pitch);
+    return ChartBuilder(degrees, 1, 0, stop).project_onto(chart, pitch);
 }
 
 }  // namespace ccdt

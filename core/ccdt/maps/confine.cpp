@@ -17,12 +17,12 @@ Result<std::vector<std::uint32_t>> cut_areas(std::span<MapFeature> features, con
     std::vector<std::uint32_t> lost;
     for (std::uint32_t i = 0; i < features.size(); ++i) {
         if (dots_of(features[i]) == 0) continue;
-        auto left = cut(features[i].area);
-        if (left) {
-            features[i].area = *std::move(left);
+        auto remaining = cut(features[i].area);
+        if (remaining) {
+            features[i].area = *std::move(remaining);
             continue;
         }
-        if (left.error().code != ErrorCode::Unusable) return tl::unexpected(left.error());
+        if (remaining.error().code != ErrorCode::Unusable) return tl::unexpected(remaining.error());
         std::ranges::fill(features[i].dots, std::size_t{0});
         lost.push_back(i);
     }

@@ -75,10 +75,10 @@ private:
     /// @param corner  origin of the edges' coordinates, in the unit frame of the land
     void add_border(std::size_t feature, Point corner, std::vector<BorderEdge>& border) const {
         const Domain& area = ground_.area(feature);
-        const auto place = [&](Point p) { return to_unit(area.to_user(p)) - corner; };
+        const auto position = [&](Point p) { return to_unit(area.to_user(p)) - corner; };
         for (const Ring& ring : area.rings()) {
             for (std::size_t i = 0; i < ring.size(); ++i)
-                border.push_back({place(ring[i]), place(ring[(i + 1) % ring.size()]), ground_.weight(feature)});
+                border.push_back({position(ring[i]), position(ring[(i + 1) % ring.size()]), ground_.weight(feature)});
         }
     }
 
@@ -128,17 +128,17 @@ DotError::DotError(const DotGround& ground, const Domain& land, std::span<const 
     }
 }
 
-void DotError::measure(std::span<const Point> places, std::span<double> errors) {
+void DotError::measure(std::span<const Point> positions, std::span<double> errors) {
     for (auto& [grid, box, own, others] : octaves_) {
-        const auto place = [&, &box = box](std::uint32_t dot) {
-            return Point{std::clamp(places[dot].x - box.min.x, 0.0, box.width()),
-                         std::clamp(places[dot].y - box.min.y, 0.0, box.height())};
+        const auto position = [&, &box = box](std::uint32_t dot) {
+            return Point{std::clamp(positions[dot].x - box.min.x, 0.0, box.width()),
+                         std::clamp(positions[dot].y - box.min.y, 0.0, box.height())};
         };
-        places_.clear();
-        for (const std::uint32_t dot : own) places_.push_back(place(dot));
-        for (const std::uint32_t dot : others) places_.push_back(place(dot));
-        grid.measure(places_);
-        for (std::size_t i = 0; i < own.size(); ++i) errors[own[i]] = grid.at(places_[i]);
+        positions_.clear();
+        for (const std::uint32_t dot : own) positions_.push_back(position(dot));
+        for (const std::uint32_t dot : others) positions_.push_back(position(dot));
+        grid.measure(positions_);
+        for (std::size_t i = 0; i < own.size(); ++i) errors[own[i]] = grid.at(positions_[i]);
     }
 }
 

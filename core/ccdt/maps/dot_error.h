@@ -24,11 +24,11 @@ public:
     /// O(dots + corners of the features).
     DotError(const DotGround& ground, const Domain& land, std::span<const FeatureDot> dots);
 
-    /// @param places  [dots] positions in the unit frame
+    /// @param positions  [dots] positions in the unit frame
     /// @param errors  out: [dots] results of ErrorGrid::at()
     ///
     /// O(dots).
-    void measure(std::span<const Point> places, std::span<double> errors);
+    void measure(std::span<const Point> positions, std::span<double> errors);
 
 private:
     struct Octave {
@@ -39,7 +39,7 @@ private:
     };
 
     std::vector<Octave> octaves_;
-    std::vector<Point> places_;
+    std::vector<Point> positions_;
 };
 
 }  // namespace ccdt

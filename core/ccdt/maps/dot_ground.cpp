@@ -45,12 +45,12 @@ std::optional<InteriorSampler> interior_of(const Domain& area) {
 /// Returns the position of a point along Morton's curve.
 /// @param share  position in the box that the curve fills, in [0, 1] x [0, 1]
 std::uint64_t along_curve(Point share) {
-    std::uint64_t place = 0;
+    std::uint64_t position = 0;
     for (int bit = 15; bit >= 0; --bit) {
         const auto digit = [bit](double v) { return static_cast<std::uint64_t>(v * 0xffff) >> bit & 1; };
-        place = place << 2 | digit(share.y) << 1 | digit(share.x);
+        position = position << 2 | digit(share.y) << 1 | digit(share.x);
     }
-    return place;
+    return position;
 }
 
 }  // namespace
@@ -181,16 +181,16 @@ Result<Density> DotGround::cut_out(const Domain& area, double& largest) const {
 }
 
 std::vector<std::uint32_t> DotGround::order() const {
-    std::vector<std::uint64_t> places;
+    std::vector<std::uint64_t> positions;
     for (const MapFeature& feature : map_.features) {
         const Box& box = feature.area.bounds();
         const Point middle = 0.5 * (box.min + box.max) - map_.box.min;
-        places.push_back(along_curve(
+        positions.push_back(along_curve(
             {std::clamp(middle.x / map_.box.width(), 0.0, 1.0), std::clamp(middle.y / map_.box.height(), 0.0, 1.0)}));
     }
-    std::vector<std::uint32_t> order(places.size());
+    std::vector<std::uint32_t> order(positions.size());
     std::iota(order.begin(), order.end(), 0u);
-    std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return places[i]; });
+    std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return positions[i]; });
     return order;
 }
 
@@ -226,20 +226,20 @@ Result<void> DotGround::draw(std::uint32_t feature, std::uint64_t seed, const st
     const StartSites start(area, *density, options);
     std::optional<InteriorSampler> interior;
     for (std::size_t site = 0; site < options.sites; ++site) {
-        std::optional<Point> place;
-        for (int attempt = 0; attempt < kAttempts && !place; ++attempt) {
+        std::optional<Point> position;
+        for (int attempt = 0; attempt < kAttempts && !position; ++attempt) {
             const Point p = rounded(area.to_user(start.draw(site, attempt)));
-            if (attempt < kClearAttempts ? is_clear(feature, p) : may_lie(feature, p)) place = p;
+            if (attempt < kClearAttempts ? allows_start(feature, p) : allows(feature, p)) position = p;
         }
-        if (!place) {
+        if (!position) {
             const auto accept = [&](Point p) {
                 p = rounded(p);
-                if (may_lie(feature, p)) place = p;
-                return place.has_value();
+                if (allows(feature, p)) position = p;
+                return position.has_value();
             };
             if (auto drawn = draw_again(feature, seed + site, accept, interior); !drawn) return drawn;
         }
-        dots[site] = {*place, feature};
+        dots[site] = {*position, feature};
     }
     return {};
 }
@@ -262,15 +262,15 @@ void DotGround::find_overlaps(std::span<const FeatureDot> dots, const std::stop_
     constexpr std::uint32_t kNone = ~std::uint32_t{0};
     std::uint32_t current = kNone;
     std::vector<std::uint32_t> known_to(overlaps_.size(), kNone);  // [features] last feature found to overlap
-    for (const auto& [place, feature] : dots) {
+    for (const auto& [position, feature] : dots) {
         if (stop.stop_requested()) return;
         if (feature != current) {
             for (const std::uint32_t other : overlaps_[feature]) known_to[other] = feature;
             current = feature;
         }
-        map_.index.for_near(place, [&, place = place, feature = feature](std::uint32_t other) {
+        map_.index.for_near(position, [&, position = position, feature = feature](std::uint32_t other) {
             if (other == feature || known_to[other] == feature || this->dots(other) == 0) return;
-            if (!map_.areas[other].contains(place)) return;
+            if (!map_.areas[other].contains(position)) return;
             known_to[other] = feature;
             overlaps_[feature].push_back(other);
             overlaps_[other].push_back(feature);
@@ -294,12 +294,12 @@ double DotGround::around(Point p) const {
     return density;
 }
 
-bool DotGround::may_lie(std::uint32_t feature, Point p) const {
+bool DotGround::allows(std::uint32_t feature, Point p) const {
     return map_.areas[feature].contains(p) && (is_uniform() || density(p) > 0);
 }
 
-bool DotGround::is_clear(std::uint32_t feature, Point p) const {
-    return fences_[feature].place_of(p) == FeatureArea::Place::Inside && (is_uniform() || density(p) > 0);
+bool DotGround::allows_start(std::uint32_t feature, Point p) const {
+    return fences_[feature].position_of(p) == FeatureArea::Position::Inside && (is_uniform() || density(p) > 0);
 }
 
 Point DotGround::towards(std::uint32_t feature, Point from, Point to) const {

@@ -23,7 +23,7 @@ namespace ccdt {
 
 /// A dot, and the feature in which it must stay.
 struct FeatureDot {
-    Point place;
+    Point position;
     std::uint32_t feature = 0;
 };
 
@@ -88,16 +88,18 @@ public:
     double around(Point p) const;
 
     /// Whether the density is constant over a feature.
-    bool is_even(std::uint32_t feature) const { return is_uniform() && overlaps_[feature].empty(); }
+    bool is_uniform_in(std::uint32_t feature) const { return is_uniform() && overlaps_[feature].empty(); }
 
     /// Whether a position is inside a feature and has a positive density.
-    bool may_lie(std::uint32_t feature, Point p) const;
+    bool allows(std::uint32_t feature, Point p) const;
 
-    /// Whether a dot may start at a position: may_lie() is true, and no much sparser feature is close.
-    bool is_clear(std::uint32_t feature, Point p) const;
+    /// Whether a dot may start at a position: allows() is true, and no much sparser feature is close.
+    bool allows_start(std::uint32_t feature, Point p) const;
 
-    /// Fast, conservative form of is_clear(), which returns false at some clear positions.
-    bool is_deep(std::uint32_t feature, Point p) const { return is_uniform() && fences_[feature].is_deep(p); }
+    /// Fast, conservative form of allows_start(), which returns false at some clear positions.
+    bool is_far_inside(std::uint32_t feature, Point p) const {
+        return is_uniform() && fences_[feature].is_far_inside(p);
+    }
 
     /// Moves a dot from one position towards another, without leaving the feature. Returns the end of the move.
     Point towards(std::uint32_t feature, Point from, Point to) const;

@@ -82,22 +82,22 @@ Result<void> DotLayer::start() {
     const Border border = make_border(
         land_, [this](Point a, Point b) { return length_in_dots(a, b); }, dots_.size());
     if (auto chosen = choose_fixed(border); !chosen) return chosen;
-    const std::size_t sites = dots_.size() + fixed_.places.size();
+    const std::size_t sites = dots_.size() + fixed_.positions.size();
     auto empty = empty_mesh(land_, border, sites, stop_);
     if (!empty) return tl::unexpected(empty.error());
     placed_ = *std::move(empty);
     mesh().set_executor(executor_);
-    mesh().fix_last(fixed_.places.size());
+    mesh().fix_last(fixed_.positions.size());
     radii_.resize(sites);
     moves_.resize(sites);
     before_.resize(sites);
     spacings_.resize(sites);
-    for (std::size_t i = 0; i < fixed_.places.size(); ++i) {
+    for (std::size_t i = 0; i < fixed_.positions.size(); ++i) {
         const std::size_t site = dots_.size() + i;
-        insert_site(mesh(), static_cast<std::uint32_t>(site), fixed_.places[i]);
-        const double density = ground_.around(land_.to_user(fixed_.places[i]));
+        insert_site(mesh(), static_cast<std::uint32_t>(site), fixed_.positions[i]);
+        const double density = ground_.around(land_.to_user(fixed_.positions[i]));
         radii_[site] = radius(density > 0 ? density : static_cast<double>(dots_.size()) / land_.area());
-        before_[site] = fixed_.places[i];
+        before_[site] = fixed_.positions[i];
     }
     if (auto inserted = insert_all(); !inserted) return inserted;
     trim(mesh());
@@ -127,12 +127,12 @@ Result<void> DotLayer::insert_all() {
 
 /// Inserts dots into the mesh, in ascending order of their numbers.
 Result<void> DotLayer::insert_step(std::span<const std::uint32_t> dots) {
-    const auto draw = [this](std::uint32_t dot, int) { return land_.to_unit(dots_[dot].place); };
-    std::vector<std::uint32_t> kept, left;
-    for (const std::uint32_t dot : dots) (keeps_place(dot) ? kept : left).push_back(dot);
+    const auto draw = [this](std::uint32_t dot, int) { return land_.to_unit(dots_[dot].position); };
+    std::vector<std::uint32_t> kept, remaining;
+    for (const std::uint32_t dot : dots) (keeps_position(dot) ? kept : remaining).push_back(dot);
     const auto refused = insert_sites(mesh(), kept, draw, 1, land_.resolution(), stop_);
-    left.insert(left.end(), refused.begin(), refused.end());
-    for (const std::uint32_t dot : left) {
+    remaining.insert(remaining.end(), refused.begin(), refused.end());
+    for (const std::uint32_t dot : remaining) {
         if (stopping()) return failure(ErrorCode::Stopped, "stopped before there was a result");
         if (auto inserted = insert_anywhere(dot); !inserted) return inserted;
     }
@@ -140,16 +140,16 @@ Result<void> DotLayer::insert_step(std::span<const std::uint32_t> dots) {
 }
 
 /// Whether a dot may stay at its initial position after rounding.
-bool DotLayer::keeps_place(std::uint32_t dot) const {
-    const auto& [place, feature] = dots_[dot];
-    const Point rounded = land_.to_user(land_.to_unit(place));
-    return rounded == place || ground_.may_lie(feature, rounded);
+bool DotLayer::keeps_position(std::uint32_t dot) const {
+    const auto& [position, feature] = dots_[dot];
+    const Point rounded = land_.to_user(land_.to_unit(position));
+    return rounded == position || ground_.allows(feature, rounded);
 }
 
 Result<void> DotLayer::insert_anywhere(std::uint32_t dot) {
     const auto accept = [&](Point user) {
         const Point p = land_.to_unit(user);
-        return ground_.may_lie(dots_[dot].feature, land_.to_user(p)) && insert_site(mesh(), dot, p, land_.resolution());
+        return ground_.allows(dots_[dot].feature, land_.to_user(p)) && insert_site(mesh(), dot, p, land_.resolution());
     };
     std::optional<InteriorSampler> interior;
     return ground_.draw_again(dots_[dot].feature, options_.seed + dot, accept, interior);
@@ -161,22 +161,22 @@ void DotLayer::find_radii() {
         if (stopping()) return;
         for (std::size_t dot = begin; dot < end; ++dot) {
             const std::uint32_t feature = dots_[dot].feature;
-            const bool is_known = dot > begin && dots_[dot - 1].feature == feature && ground_.is_even(feature);
-            radii_[dot] = is_known ? radii_[dot - 1] : radius(ground_.at(feature, place(dot)));
+            const bool is_known = dot > begin && dots_[dot - 1].feature == feature && ground_.is_uniform_in(feature);
+            radii_[dot] = is_known ? radii_[dot - 1] : radius(ground_.at(feature, position(dot)));
         }
     });
 }
 
 /// Computes the wanted areas of all triangles. A border vertex counts with the mean radius of the triangle's dots.
-void DotLayer::find_aims() {
+void DotLayer::find_targets() {
     find_radii();
-    aims_.resize(mesh().triangle_count());
-    for_ranges(executor_, aims_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
-        for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) aims_[t] = aim_of(t);
+    targets_.resize(mesh().triangle_count());
+    for_ranges(executor_, targets_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
+        for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) targets_[t] = target_of(t);
     });
 }
 
-double DotLayer::aim_of(std::uint32_t triangle) const {
+double DotLayer::target_of(std::uint32_t triangle) const {
     const auto corners = mesh().corners(triangle);
     double sum = 0, dots = 0;
     for (const std::uint32_t v : corners) {
@@ -190,11 +190,11 @@ double DotLayer::aim_of(std::uint32_t triangle) const {
 
 /// Computes capacities and goals of all triangles. Returns the capacity variation.
 double DotLayer::measure() {
-    find_aims();
-    capacities_.resize(aims_.size());
-    for_ranges(executor_, aims_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
+    find_targets();
+    capacities_.resize(targets_.size());
+    for_ranges(executor_, targets_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
         for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t)
-            capacities_[t] = aims_[t] > 0 ? 0.5 * mesh().doubled_area(t) / aims_[t] : 0;
+            capacities_[t] = targets_[t] > 0 ? 0.5 * mesh().doubled_area(t) / targets_[t] : 0;
     });
     const double variation = set_goals(mesh(), static_cast<double>(mesh().site_count()),
                                        std::numeric_limits<double>::max(), capacities_, goals_);
@@ -230,11 +230,11 @@ bool DotLayer::has_next_iteration() const {
 Point DotLayer::fenced(std::uint32_t dot, Point to) const {
     if (!std::isfinite(to.x) || !std::isfinite(to.y)) return mesh().point(dot);
     const Point wanted = land_.to_user(to);
-    if (ground_.is_deep(dots_[dot].feature, wanted)) return to;
-    const Point there = ground_.towards(dots_[dot].feature, place(dot), wanted);
+    if (ground_.is_far_inside(dots_[dot].feature, wanted)) return to;
+    const Point there = ground_.towards(dots_[dot].feature, position(dot), wanted);
     if (there == wanted) return to;
     const Point rounded = land_.to_unit(there);
-    return ground_.may_lie(dots_[dot].feature, land_.to_user(rounded)) ? rounded : mesh().point(dot);
+    return ground_.allows(dots_[dot].feature, land_.to_user(rounded)) ? rounded : mesh().point(dot);
 }
 
 Relaxation& DotLayer::relaxation() {
@@ -326,9 +326,9 @@ Point DotLayer::push_off_others(std::uint32_t dot, double reach, double push) co
 /// the clearance of dense dots would obstruct the flow.
 MeshTransport DotLayer::make_transport() const {
     constexpr double kMaxContrast = 2;
-    auto measure = [error = DotError(ground_, land_, dots_)](std::span<const Point> places,
+    auto measure = [error = DotError(ground_, land_, dots_)](std::span<const Point> positions,
                                                              std::span<double> errors) mutable {
-        error.measure(places, errors);
+        error.measure(positions, errors);
     };
     return {mesh(), std::move(measure), [this](std::uint32_t a, std::uint32_t b) {
                 const auto [least, most] = std::minmax(radii_[a], radii_[b]);
@@ -349,7 +349,7 @@ void DotLayer::equalise(int passes) {
     measure();
     relax(passes);
     relaxation_.reset();
-    if (!stopping()) find_aims();
+    if (!stopping()) find_targets();
     begin();
 }
 
@@ -382,8 +382,8 @@ void DotLayer::apply() {
 bool DotLayer::is_sound(std::uint32_t triangle, double area) const {
     constexpr double kMinShape = 1e-5;  // doubled area relative to the longest edge squared
     if (area < kKeptArea * areas_[triangle]) return false;
-    if (aims_[triangle] > 0 && area >= kSmall * aims_[triangle]) return true;
-    const auto [a, b, c] = mesh().places(triangle);
+    if (targets_[triangle] > 0 && area >= kSmall * targets_[triangle]) return true;
+    const auto [a, b, c] = mesh().positions(triangle);
     const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
     const double least = std::max(kMinShape * longest, land_.resolution() * std::sqrt(longest));
     return area >= std::min(areas_[triangle], least) && orientation(a, b, c) > 0;
@@ -417,7 +417,7 @@ void DotLayer::revert_moves() {
 void DotLayer::restore() {
     restore_delaunay(mesh(), stop_);
     if (stopping()) return;
-    find_aims();
+    find_targets();
     begin();
 }
 
@@ -434,7 +434,7 @@ ClassDots DotLayer::collect() {
     std::iota(order.begin(), order.end(), 0u);
     std::ranges::stable_sort(order, {}, [&](std::uint32_t dot) { return dots_[dot].feature; });
     for (const std::uint32_t dot : order) {
-        result_.points.push_back(place(dot));
+        result_.points.push_back(position(dot));
         all.feature_of.push_back(dots_[dot].feature);
     }
     result_.stopped = stopping();

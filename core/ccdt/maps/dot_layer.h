@@ -48,7 +48,7 @@ public:
 
     std::size_t size() const { return dots_.size(); }
     std::uint32_t feature_of(std::size_t dot) const { return dots_[dot].feature; }
-    Point place(std::size_t dot) const { return land_.to_user(mesh().point(static_cast<std::uint32_t>(dot))); }
+    Point position(std::size_t dot) const { return land_.to_user(mesh().point(static_cast<std::uint32_t>(dot))); }
 
     /// Stores the areas of all triangles. Must be called before the first step of a polish.
     void begin();
@@ -91,11 +91,11 @@ private:
     Result<void> choose_fixed(const Border& border);
     Result<void> insert_all();
     Result<void> insert_step(std::span<const std::uint32_t> dots);
-    bool keeps_place(std::uint32_t dot) const;
+    bool keeps_position(std::uint32_t dot) const;
     Result<void> insert_anywhere(std::uint32_t dot);
     void find_radii();
-    void find_aims();
-    double aim_of(std::uint32_t triangle) const;
+    void find_targets();
+    double target_of(std::uint32_t triangle) const;
     double measure();
     void soften_borders();
     MeshTransport make_transport() const;
@@ -116,7 +116,7 @@ private:
     FixedSites fixed_;                   ///< fixed points; their vertices follow the dots' vertices
     std::optional<CellList> others_;     ///< fixed points without a vertex
     std::vector<double> radii_;          ///< [sites] half of the wanted distance between neighbours, in the unit frame
-    std::vector<double> aims_;           ///< [triangles] wanted doubled area
+    std::vector<double> targets_;        ///< [triangles] wanted doubled area
     std::vector<double> capacities_;     ///< [triangles] capacity in dots: half of area / wanted area
     std::vector<TriangleGoal> goals_;    ///< [triangles] targets and weights
     std::vector<Point> moves_, before_;  ///< [sites] current moves; positions before these moves

@@ -212,13 +212,13 @@ std::vector<Point> DotMap::pushes(double reach, double push) {
         if (!layers_[c]) continue;
         const DotLayer& layer = *layers_[c];
         const auto site_of = [&](std::size_t dot) {
-            const Point place = layer.place(dot);
+            const Point position = layer.position(dot);
             double all = 0;
             for (const auto& ground : grounds_) {
-                if (ground) all += ground->at(layer.feature_of(dot), place);
+                if (ground) all += ground->at(layer.feature_of(dot), position);
             }
-            const double own = grounds_[c]->at(layer.feature_of(dot), place);
-            return InkSite{land_->to_unit(place), 1 / std::sqrt(all) / scale, number, 1 / std::sqrt(own) / scale};
+            const double own = grounds_[c]->at(layer.feature_of(dot), position);
+            return InkSite{land_->to_unit(position), 1 / std::sqrt(all) / scale, number, 1 / std::sqrt(own) / scale};
         };
         const std::size_t first = sites.size();
         sites.resize(first + layer.size());

@@ -63,7 +63,7 @@ void FeatureArea::make_grid(const std::vector<Edge>& edges, double crossings, st
         for (std::size_t column = 0; column < grid_columns_; ++column) {
             Cell& cell = grid_[row * grid_columns_ + column];
             if (cell != Cell::Near && run == Cell::Near) {
-                run = place_of(middle(column, row)) == Place::Inside ? Cell::Inside : Cell::Outside;
+                run = position_of(middle(column, row)) == Position::Inside ? Cell::Inside : Cell::Outside;
             }
             if (cell == Cell::Near) {
                 run = Cell::Near;
@@ -106,10 +106,10 @@ std::size_t FeatureArea::row_of(double y) const {
 
 /// Returns the position of a point relative to the area.
 /// @param near  out: if the result is Margin, an edge whose clearance contains the point
-FeatureArea::Place FeatureArea::place_of(Point p, const Edge*& near) const {
+FeatureArea::Position FeatureArea::position_of(Point p, const Edge*& near) const {
     if (!(p.x > bounds_.min.x && p.x < bounds_.max.x && p.y > bounds_.min.y && p.y < bounds_.max.y))
-        return Place::Outside;
-    if (is_deep(p)) return Place::Inside;
+        return Position::Outside;
+    if (is_far_inside(p)) return Position::Inside;
     const std::size_t row = row_of(p.y);
     bool inside = false;
     for (std::size_t i = first_[row]; i < first_[row + 1]; ++i) {
@@ -128,13 +128,13 @@ FeatureArea::Place FeatureArea::place_of(Point p, const Edge*& near) const {
         if (std::abs(left) <= clearance * length) {
             const bool at_edge = p.y >= a.y - margin_ && p.y <= b.y + margin_ && p.x <= east + margin_ &&
                                  p.x >= west - margin_ && std::abs(left) <= margin_ * length;
-            if (at_edge) return Place::Outside;
+            if (at_edge) return Position::Outside;
             near = &edge;
         }
         inside ^= crosses && left > 0;
     }
-    if (!inside) return Place::Outside;
-    return near == nullptr ? Place::Inside : Place::Margin;
+    if (!inside) return Position::Outside;
+    return near == nullptr ? Position::Inside : Position::Margin;
 }
 
 /// Returns the edge that the path from one point to another crosses first; null if there is none.
@@ -159,22 +159,22 @@ const FeatureArea::Edge* FeatureArea::first_crossed(Point from, Point to, double
 
 Point FeatureArea::towards(Point from, Point to) const {
     const Edge* border = nullptr;
-    const Place there = place_of(to, border);
-    if (there == Place::Inside) return to;
-    const bool is_free = place_of(from) == Place::Margin;
-    if (is_free && there == Place::Margin) return to;
-    const auto may_lie = [&](Point p) {
-        const Place place = place_of(p);
-        return place == Place::Inside || (is_free && place == Place::Margin);
+    const Position there = position_of(to, border);
+    if (there == Position::Inside) return to;
+    const bool is_free = position_of(from) == Position::Margin;
+    if (is_free && there == Position::Margin) return to;
+    const auto allows = [&](Point p) {
+        const Position position = position_of(p);
+        return position == Position::Inside || (is_free && position == Position::Margin);
     };
     double at = 1;
-    if (there == Place::Outside) border = first_crossed(from, to, at);
+    if (there == Position::Outside) border = first_crossed(from, to, at);
     if (border == nullptr) return from;
     const Point along = border->high - border->low, way = to - from;
     const Point slid = from + dot(way, along) / dot(along, along) * along;
-    if (may_lie(slid)) return slid;
+    if (allows(slid)) return slid;
     const Point half = from + at / 2 * way;
-    return may_lie(half) ? half : from;
+    return allows(half) ? half : from;
 }
 
 }  // namespace ccdt

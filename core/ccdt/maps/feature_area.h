@@ -17,7 +17,7 @@ namespace ccdt {
 class FeatureArea {
 public:
     /// Position of a point relative to the area.
-    enum class Place {
+    enum class Position {
         Outside,
         Margin,  ///< inside, but nearer to an edge than the edge's clearance
         Inside,
@@ -38,13 +38,13 @@ public:
     const Box& bounds() const { return bounds_; }
 
     /// O(1) in cells that lie entirely inside; else O(edges in the point's row), which are few for common shapes.
-    bool contains(Point p) const { return place_of(p) != Place::Outside; }
-    Place place_of(Point p) const {
+    bool contains(Point p) const { return position_of(p) != Position::Outside; }
+    Position position_of(Point p) const {
         const Edge* edge = nullptr;
-        return place_of(p, edge);
+        return position_of(p, edge);
     }
     /// Whether a point lies in a cell that is entirely inside. O(1).
-    bool is_deep(Point p) const {
+    bool is_far_inside(Point p) const {
         return !grid_.empty() && grid_[grid_row(p.y) * grid_columns_ + grid_column(p.x)] == Cell::Inside;
     }
 
@@ -68,12 +68,12 @@ private:
     std::size_t row_of(double y) const;
     std::size_t grid_row(double y) const { return index((y - bounds_.min.y) * rows_per_unit_, grid_rows_); }
     std::size_t grid_column(double x) const { return index((x - bounds_.min.x) * columns_per_unit_, grid_columns_); }
-    static std::size_t index(double place, std::size_t cells) {
-        return static_cast<std::size_t>(std::clamp(place, 0.0, static_cast<double>(cells - 1)));
+    static std::size_t index(double position, std::size_t cells) {
+        return static_cast<std::size_t>(std::clamp(position, 0.0, static_cast<double>(cells - 1)));
     }
     void make_grid(const std::vector<Edge>& edges, double crossings, std::size_t cells);
     void mark(const Edge& edge);
-    Place place_of(Point p, const Edge*& near) const;
+    Position position_of(Point p, const Edge*& near) const;
     const Edge* first_crossed(Point from, Point to, double& at) const;
 
     Box bounds_;

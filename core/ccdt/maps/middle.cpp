@@ -24,7 +24,7 @@ double largest_coordinate(Point3 p) {
 }  // namespace
 
 std::optional<Point3> middle_of(std::span<const PolygonPart> parts, bool on_globe) {
-    constexpr double kLeastArea = 1e-14;  // relative to a square as wide as the ring; smaller ones are rounding errors
+    constexpr double kMinArea = 1e-14;  // relative to a square as wide as the ring; smaller ones are rounding errors
     Point3 middle;
     double all = 0;
     for (const PolygonPart& part : parts) {
@@ -41,7 +41,7 @@ std::optional<Point3> middle_of(std::span<const PolygonPart> parts, bool on_glob
         for (Point3& corner : corners) corner = {corner.x / width, corner.y / width, corner.z / width};
         for (std::size_t i = 1; i < corners.size(); ++i) normal = normal + cross(corners[i - 1], corners[i]);
         const double size = length(normal);
-        if (!(size > kLeastArea)) continue;
+        if (!(size > kMinArea)) continue;
         Point3 centroid;
         for (std::size_t i = 1; i < corners.size(); ++i) {
             const double share = dot(cross(corners[i - 1], corners[i]), normal) / size / size;

@@ -131,14 +131,14 @@ void InkConstructions::polish() {
 std::vector<std::vector<Point>> InkConstructions::retouch(std::span<const std::vector<Point>> sites) const {
     const Point sides = domain_.bounds().max - domain_.bounds().min;
     const double side = std::max(sides.x, sides.y);
-    std::vector<std::vector<Point>> places(inks_.size());
+    std::vector<std::vector<Point>> positions(inks_.size());
     std::size_t number = 0;
     for (std::size_t ink = 0; ink < inks_.size(); ++ink) {
         if (!inks_[ink]) continue;
-        for (const Point& site : sites[number]) places[ink].push_back(domain_.to_user(site));
+        for (const Point& site : sites[number]) positions[ink].push_back(domain_.to_user(site));
         ++number;
     }
-    auto moves = retouch_(places);
+    auto moves = retouch_(positions);
     std::vector<std::vector<Point>> result;
     for (std::size_t ink = 0; ink < inks_.size(); ++ink) {
         if (!inks_[ink]) continue;

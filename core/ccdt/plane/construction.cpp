@@ -111,12 +111,12 @@ Result<DomainMesh> Construction::mesh_for(std::size_t fixed) const {
 /// Triangulates the border, the fixed points and the sites.
 /// @param first  [sites] preferred positions; empty if all positions are drawn
 Result<DomainMesh> Construction::triangulate_sites(std::vector<Point> first) {
-    auto placed = mesh_for(fixed_.places.size());
+    auto placed = mesh_for(fixed_.positions.size());
     if (!placed) return placed;
     placed->mesh.set_executor(executor_);
-    placed->mesh.fix_last(fixed_.places.size());
-    for (std::size_t i = 0; i < fixed_.places.size(); ++i)
-        insert_site(placed->mesh, static_cast<std::uint32_t>(options_.sites + i), fixed_.places[i]);
+    placed->mesh.fix_last(fixed_.positions.size());
+    for (std::size_t i = 0; i < fixed_.positions.size(); ++i)
+        insert_site(placed->mesh, static_cast<std::uint32_t>(options_.sites + i), fixed_.positions[i]);
     // In the paper, sites are drawn independently; so with Start::Random, sites are not divided among parts.
     const bool shares_out =
         placed->mesh.part_count() > 1 && options_.start != Start::Random && first.empty() && fixed_.sites == 0;
@@ -300,9 +300,9 @@ Result<bool> Construction::move_single_sites() {
     }
     if (clears_gaps) {
         for (Point& site : sites) {
-            const Point corner = support_.box_corner(site), place = site - corner;
-            const Point to = support_.nearest(place, kAnywhere);
-            if (to == place) continue;
+            const Point corner = support_.box_corner(site), position = site - corner;
+            const Point to = support_.nearest(position, kAnywhere);
+            if (to == position) continue;
             site = domain_.is_torus() ? snapped(corner + to) : to;
             moved = true;
         }

@@ -14,10 +14,10 @@ namespace ccdt {
 
 namespace {
 
-std::vector<Point> to_user(const Domain& domain, std::span<const Point> places) {
+std::vector<Point> to_user(const Domain& domain, std::span<const Point> positions) {
     std::vector<Point> points;
-    points.reserve(places.size());
-    for (const Point& p : places) points.push_back(domain.to_user(p));
+    points.reserve(positions.size());
+    for (const Point& p : positions) points.push_back(domain.to_user(p));
     return points;
 }
 
@@ -64,13 +64,13 @@ std::vector<std::size_t> sites_of_parts(const DomainMesh& mesh, const CapacityIn
     for (Part& part : parts) all += part.capacity = std::max(0.0, part.capacity);
     if (!(all > 0)) return {};
     std::vector<double> quotas;
-    std::vector<Point3> places;
+    std::vector<Point3> positions;
     for (const Part& part : parts) {
         quotas.push_back(part.capacity / all * static_cast<double>(mesh.mesh.site_count()));
         const Point middle{part.moment.x / (3 * part.area), part.moment.y / (3 * part.area)};
-        places.push_back(part.area > 0 ? Point3{middle.x, middle.y, 0} : Point3{});
+        positions.push_back(part.area > 0 ? Point3{middle.x, middle.y, 0} : Point3{});
     }
-    return std::move(apportion(places, {&quotas, 1}).front());
+    return std::move(apportion(positions, {&quotas, 1}).front());
 }
 
 std::vector<Point> sites_to_user(const Domain& domain, const Triangulation& mesh) {

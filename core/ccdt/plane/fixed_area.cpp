@@ -25,8 +25,8 @@ public:
           rows_(rows),
           cell_{sides_.x / columns, sides_.y / rows},
           nearest_(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), kNone) {
-        const auto index = [](double place, double side, int cells) {
-            return static_cast<int>(std::clamp(place / side * cells, 0.0, cells - 1.0));
+        const auto index = [](double position, double side, int cells) {
+            return static_cast<int>(std::clamp(position / side * cells, 0.0, cells - 1.0));
         };
         for (std::uint32_t i = 0; i < fixed.size(); ++i)
             offer(index(fixed[i].x, sides_.x, columns), index(fixed[i].y, sides_.y, rows), i);
@@ -109,11 +109,11 @@ std::vector<Point> to_unit_frame(const Domain& domain, std::span<const Point> po
     }
     // Sorts in boustrophedon order, so that each point is near its predecessor.
     const double bands = std::sqrt(static_cast<double>(result.size()));
-    const auto place = [&](Point p) {
+    const auto position = [&](Point p) {
         const double band = std::floor(p.y * bands);
         return std::tuple(band, std::fmod(band, 2) == 0 ? p.x : -p.x, p.y);
     };
-    std::ranges::sort(result, {}, place);
+    std::ranges::sort(result, {}, position);
     return result;
 }
 

@@ -24,7 +24,7 @@ FixedSites choose_fixed(const Domain& domain, std::span<const Point> points, std
             others.add(points[i]);
         }
     }
-    chosen.places = std::move(kept).take();
+    chosen.positions = std::move(kept).take();
     chosen.others = std::move(others).take();
     return chosen;
 }

@@ -19,7 +19,7 @@ std::vector<NarrowPiece<Point>> find_pieces(const Triangulation& mesh, const Cap
     const auto sites_in = [&](std::uint32_t t) {
         if (!mesh.triangles()[t].is_inside()) return 0.0;
         if (capacity.is_uniform()) return mesh.doubled_area(t) / 2 / site;
-        const auto [a, b, c] = mesh.places(t);
+        const auto [a, b, c] = mesh.positions(t);
         return (capacity.along(a, b) + capacity.along(b, c) + capacity.along(c, a)) / site;
     };
     return find_narrow_pieces(mesh, sites_in, [&](std::uint32_t edge) {
@@ -54,7 +54,7 @@ std::vector<std::uint8_t> even_out_narrow_places(const Domain& domain, const Cap
     const auto rows = narrow_rows(pieces, sites_of, stop);
     if (stop.stop_requested() || rows.empty()) return {};
     return move_rows<Point>(
-        rows, sites, [&](std::span<const Point> places) { return CellList(domain, places); },
+        rows, sites, [&](std::span<const Point> positions) { return CellList(domain, positions); },
         [](std::uint32_t, std::uint32_t) { return false; });
 }
 

@@ -23,7 +23,7 @@
 // SurfaceTriangulation. A place is a Point or a Point3.
 namespace ccdt {
 
-inline constexpr std::size_t kFewestInRow = 3;  ///< least number of sites of a row
+inline constexpr std::size_t kMinInRow = 3;  ///< least number of sites of a row
 
 inline bool is_in_triangle(const std::array<Point, 3>& corners, Point p) {
     return orientation(corners[0], corners[1], p) >= 0 && orientation(corners[1], corners[2], p) >= 0 &&
@@ -38,17 +38,17 @@ inline bool is_in_triangle(const std::array<Point3, 3>& corners, Point3 p) {
 }
 
 /// A triangle of a narrow place.
-template <class Place>
+template <class Position>
 struct NarrowPiece {
-    std::array<Place, 3> corners;
-    Place centre;
+    std::array<Position, 3> corners;
+    Position centre;
     double area = 0;
     double sites = 0;                                              ///< capacity, in sites
     std::array<std::uint32_t, 3> neighbours{kNone, kNone, kNone};  ///< across its edges
 
     static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-    bool contains(Place p) const { return is_in_triangle(corners, p); }
+    bool contains(Position p) const { return is_in_triangle(corners, p); }
 };
 
 /// Whether several sites lie where the domain is narrower than their spacing: the border is next to such a site on two
@@ -72,7 +72,7 @@ bool has_narrow_places(const Mesh& mesh) {
         if (first != last) ++changes;
         if (sites == 0 || changes >= 4) ++narrow;
     }
-    return narrow >= kFewestInRow;
+    return narrow >= kMinInRow;
 }
 
 /// Returns the triangles of a border's mesh at which the domain is narrower than the spacing. The width of the domain
@@ -85,21 +85,21 @@ auto find_narrow_pieces(const Mesh& mesh, SitesIn&& sites_in, OnBorder&& on_bord
     constexpr double kNarrow = 1.1;  // largest width, in spacings
     constexpr double kEmpty = 1e-9;  // capacity that may be a rounding error, in sites
     std::vector<std::uint32_t> numbers(mesh.triangle_count(), Mesh::kNone);
-    using Place = decltype(mesh.along(0));
-    std::vector<NarrowPiece<Place>> pieces;
+    using Position = decltype(mesh.along(0));
+    std::vector<NarrowPiece<Position>> pieces;
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
         const double sites = sites_in(t), doubled_area = mesh.doubled_area(t);
         if (!(sites >= kEmpty)) continue;
         double width = std::numeric_limits<double>::infinity(), longest = 0;
         for (std::uint32_t i = 0; i < 3; ++i) {
             const std::uint32_t edge = Mesh::edge(t, i);
-            const Place along = mesh.along(edge);
+            const Position along = mesh.along(edge);
             const double length = std::sqrt(dot(along, along));
             if (on_border(edge)) width = std::min(width, doubled_area / length);
             longest = std::max(longest, length);
         }
         if (std::min(width, longest) >= kNarrow * std::sqrt(doubled_area / 2 / sites)) continue;
-        const auto corners = mesh.places(t);
+        const auto corners = mesh.positions(t);
         numbers[t] = static_cast<std::uint32_t>(pieces.size());
         pieces.push_back({corners, 1.0 / 3 * (corners[0] + corners[1] + corners[2]), doubled_area / 2, sites});
     }
@@ -114,11 +114,11 @@ auto find_narrow_pieces(const Mesh& mesh, SitesIn&& sites_in, OnBorder&& on_bord
 }
 
 /// A connected set of narrow pieces.
-template <class Place>
+template <class Position>
 class NarrowStrip {
 public:
     /// @param walk  the pieces, in the order of a walk in depth from one end
-    NarrowStrip(const std::vector<NarrowPiece<Place>>& pieces, std::vector<std::uint32_t> walk)
+    NarrowStrip(const std::vector<NarrowPiece<Position>>& pieces, std::vector<std::uint32_t> walk)
         : pieces_(pieces), walk_(std::move(walk)) {
         for (const std::uint32_t piece : walk_) all_ += pieces_[piece].sites;
     }
@@ -135,16 +135,16 @@ public:
 
     /// Returns positions for sites, in the order of the walk.
     /// @param owner, distance  scratch memory [pieces]
-    std::vector<Place> distribute(std::size_t sites, std::vector<std::uint32_t>& owner,
-                                  std::vector<double>& distance) const {
+    std::vector<Position> distribute(std::size_t sites, std::vector<std::uint32_t>& owner,
+                                     std::vector<double>& distance) const {
         constexpr int kRounds = 24;
-        if (auto places = along_line(sites, owner, distance)) return *std::move(places);
+        if (auto positions = along_line(sites, owner, distance)) return *std::move(positions);
         std::vector<std::uint32_t> at = equal_steps(sites);
-        std::vector<Place> centres(sites);
+        std::vector<Position> centres(sites);
         for (int round = 0; round < kRounds; ++round) {
             find_owners(at, owner, distance);
             std::vector<double> held(sites, 0);
-            std::ranges::fill(centres, Place{});
+            std::ranges::fill(centres, Position{});
             for (const std::uint32_t piece : walk_) {
                 const std::uint32_t site = owner[piece];
                 held[site] += pieces_[piece].sites;
@@ -162,13 +162,13 @@ public:
     }
 
 private:
-    static constexpr std::uint32_t kNone = NarrowPiece<Place>::kNone;
+    static constexpr std::uint32_t kNone = NarrowPiece<Position>::kNone;
 
     /// Returns positions at equal steps of capacity on the line through the middles of the edges between successive
     /// pieces. In a triangle, capacity grows linearly along this line. Returns none if the strip has branches.
     /// @param order, held  scratch memory [pieces]
-    std::optional<std::vector<Place>> along_line(std::size_t sites, std::vector<std::uint32_t>& order,
-                                                 std::vector<double>& held) const {
+    std::optional<std::vector<Position>> along_line(std::size_t sites, std::vector<std::uint32_t>& order,
+                                                    std::vector<double>& held) const {
         constexpr double kBranch = 0.5;  // least capacity of a branch, in sites
         const auto count = static_cast<std::uint32_t>(walk_.size());
         for (const std::uint32_t piece : walk_) {
@@ -192,27 +192,27 @@ private:
             held[walk_[parent[i]]] += held[walk_[i]];
         }
         const double step = all_ / static_cast<double>(sites);
-        std::vector<Place> places;
+        std::vector<Position> positions;
         double done = 0;
-        Place from = middle_between(walk_.front(), walk_.back());
+        Position from = middle_between(walk_.front(), walk_.back());
         for (std::uint32_t i = 0; i != kNone; i = heaviest[i]) {
             const std::uint32_t piece = walk_[i], next = walk_[heaviest[i] == kNone ? 0 : heaviest[i]];
             const double own = held[piece] - (heaviest[i] == kNone ? 0 : held[next]);  // with its short branches
             if (own - pieces_[piece].sites > kBranch * step) return std::nullopt;
-            const Place to = middle_between(piece, next);
+            const Position to = middle_between(piece, next);
             for (double at = 0;
-                 places.size() < sites && (at = (static_cast<double>(places.size()) + 0.5) * step) <= done + own;)
-                places.push_back(from + (at - done) / own * (to - from));
+                 positions.size() < sites && (at = (static_cast<double>(positions.size()) + 0.5) * step) <= done + own;)
+                positions.push_back(from + (at - done) / own * (to - from));
             done += own;
             from = to;
         }
-        places.resize(sites, from);
-        return places;
+        positions.resize(sites, from);
+        return positions;
     }
 
     /// Returns the middle of the edge between two pieces; if there is none, the centre of the first one.
-    Place middle_between(std::uint32_t piece, std::uint32_t next) const {
-        const NarrowPiece<Place>& at = pieces_[piece];
+    Position middle_between(std::uint32_t piece, std::uint32_t next) const {
+        const NarrowPiece<Position>& at = pieces_[piece];
         for (std::size_t i = 0; i < 3; ++i) {
             if (walk_.size() > 2 && at.neighbours[i] == next) return 0.5 * (at.corners[i] + at.corners[(i + 1) % 3]);
         }
@@ -260,14 +260,14 @@ private:
 
     /// Moves each site to its piece that is nearest to a place.
     /// @returns  whether any site moved
-    bool move_to(std::span<const Place> places, const std::vector<std::uint32_t>& owner,
+    bool move_to(std::span<const Position> positions, const std::vector<std::uint32_t>& owner,
                  std::vector<std::uint32_t>& at) const {
         const std::vector<std::uint32_t> before = at;
         std::vector<double> least(at.size(), std::numeric_limits<double>::infinity());
         for (const std::uint32_t piece : walk_) {
             const std::uint32_t site = owner[piece];
-            const Place apart = pieces_[piece].centre - places[site];
-            const double squared = pieces_[piece].contains(places[site]) ? -1 : dot(apart, apart);
+            const Position apart = pieces_[piece].centre - positions[site];
+            const double squared = pieces_[piece].contains(positions[site]) ? -1 : dot(apart, apart);
             if (squared >= least[site]) continue;
             least[site] = squared;
             at[site] = piece;
@@ -275,14 +275,14 @@ private:
         return at != before;
     }
 
-    const std::vector<NarrowPiece<Place>>& pieces_;
+    const std::vector<NarrowPiece<Position>>& pieces_;
     std::vector<std::uint32_t> walk_;
     double all_ = 0;
 };
 
 /// Returns the pieces that are connected with a piece, in the order of a walk in depth that begins there.
-template <class Place>
-std::vector<std::uint32_t> walk_from(const std::vector<NarrowPiece<Place>>& pieces, std::uint32_t first,
+template <class Position>
+std::vector<std::uint32_t> walk_from(const std::vector<NarrowPiece<Position>>& pieces, std::uint32_t first,
                                      std::vector<bool>& reached) {
     std::vector<std::uint32_t> walk, stack{first};
     while (!stack.empty()) {
@@ -292,30 +292,30 @@ std::vector<std::uint32_t> walk_from(const std::vector<NarrowPiece<Place>>& piec
         reached[piece] = true;
         walk.push_back(piece);
         for (const std::uint32_t next : pieces[piece].neighbours) {
-            if (next != NarrowPiece<Place>::kNone) stack.push_back(next);
+            if (next != NarrowPiece<Position>::kNone) stack.push_back(next);
         }
     }
     return walk;
 }
 
 /// Sites of a strip, and new places for them.
-template <class Place>
+template <class Position>
 struct NarrowRow {
     std::vector<std::uint32_t> sites;
-    std::vector<Place> places;
+    std::vector<Position> positions;
     double enough = 0;  ///< distance at which neighbours do not crowd
 };
 
 /// Returns a measure of how near the sites of a row are to each other and to other sites.
 /// @param is_apart  see move_rows()
-template <class Place, class Cells, class IsApart>
-double crowding(const NarrowRow<Place>& row, std::span<const Place> places, const Cells& cells,
+template <class Position, class Cells, class IsApart>
+double crowding(const NarrowRow<Position>& row, std::span<const Position> positions, const Cells& cells,
                 const IsApart& is_apart) {
     double sum = 0;
     for (const std::uint32_t site : row.sites) {
         double least = row.enough * row.enough;
-        cells.for_near(places[site], row.enough, [&](Place p, std::uint32_t i) {
-            const Place way = p - places[site];
+        cells.for_near(positions[site], row.enough, [&](Position p, std::uint32_t i) {
+            const Position way = p - positions[site];
             if (i != site && !is_apart(site, i)) least = std::min(least, dot(way, way));
         });
         sum += 1 / least;
@@ -327,29 +327,29 @@ double crowding(const NarrowRow<Place>& row, std::span<const Place> places, cons
 /// @param cells_of  returns the cell list of places
 /// @param is_apart  returns whether two sites cannot crowd each other, however near they are
 /// @returns         whether each site is in a row that moved [sites]; empty if no row moved
-template <class Place, class CellsOf, class IsApart>
-std::vector<std::uint8_t> move_rows(std::span<const NarrowRow<Place>> rows, std::span<Place> sites, CellsOf&& cells_of,
-                                    const IsApart& is_apart) {
+template <class Position, class CellsOf, class IsApart>
+std::vector<std::uint8_t> move_rows(std::span<const NarrowRow<Position>> rows, std::span<Position> sites,
+                                    CellsOf&& cells_of, const IsApart& is_apart) {
     constexpr double kIncrease = 1.2;  // for example of sites on both sides of a sharp bend
-    const std::vector<Place> before(sites.begin(), sites.end());
-    const auto old_cells = cells_of(std::span<const Place>(before));
-    std::vector<const NarrowRow<Place>*> moved;
-    for (const NarrowRow<Place>& row : rows) {
+    const std::vector<Position> before(sites.begin(), sites.end());
+    const auto old_cells = cells_of(std::span<const Position>(before));
+    std::vector<const NarrowRow<Position>*> moved;
+    for (const NarrowRow<Position>& row : rows) {
         moved.push_back(&row);
-        for (std::size_t i = 0; i < row.sites.size(); ++i) sites[row.sites[i]] = row.places[i];
+        for (std::size_t i = 0; i < row.sites.size(); ++i) sites[row.sites[i]] = row.positions[i];
     }
     for (bool reverted = true; reverted;) {
-        const auto cells = cells_of(std::span<const Place>(sites));
-        reverted = std::erase_if(moved, [&](const NarrowRow<Place>* row) {
-                       const double now = crowding<Place>(*row, sites, cells, is_apart);
-                       if (now <= kIncrease * crowding<Place>(*row, before, old_cells, is_apart)) return false;
+        const auto cells = cells_of(std::span<const Position>(sites));
+        reverted = std::erase_if(moved, [&](const NarrowRow<Position>* row) {
+                       const double now = crowding<Position>(*row, sites, cells, is_apart);
+                       if (now <= kIncrease * crowding<Position>(*row, before, old_cells, is_apart)) return false;
                        for (const std::uint32_t site : row->sites) sites[site] = before[site];
                        return true;
                    }) > 0;
     }
     if (moved.empty()) return {};
     std::vector<std::uint8_t> is_moved(sites.size(), 0);
-    for (const NarrowRow<Place>* row : moved) {
+    for (const NarrowRow<Position>* row : moved) {
         for (const std::uint32_t site : row->sites) is_moved[site] = 1;
     }
     return is_moved;
@@ -358,26 +358,26 @@ std::vector<std::uint8_t> move_rows(std::span<const NarrowRow<Place>> rows, std:
 /// Returns the rows of all strips that have several sites.
 /// @param sites_of  returns the sites in the pieces of a walk
 /// @param stop      polled once per strip
-template <class Place, class SitesOf>
-std::vector<NarrowRow<Place>> narrow_rows(const std::vector<NarrowPiece<Place>>& pieces, SitesOf&& sites_of,
-                                          const std::stop_token& stop) {
+template <class Position, class SitesOf>
+std::vector<NarrowRow<Position>> narrow_rows(const std::vector<NarrowPiece<Position>>& pieces, SitesOf&& sites_of,
+                                             const std::stop_token& stop) {
     constexpr double kEnough = 0.85;    // in spacings
     constexpr double kRounding = 1e-3;  // of the capacity of a thin strip, whose coordinates are rounded
     std::vector<std::uint32_t> owner(pieces.size());
     std::vector<double> distance(pieces.size());
     std::vector<bool> tried(pieces.size()), reached(pieces.size());
-    std::vector<NarrowRow<Place>> rows;
+    std::vector<NarrowRow<Position>> rows;
     for (std::uint32_t piece = 0; piece < pieces.size() && !stop.stop_requested(); ++piece) {
         if (tried[piece]) continue;
         // The last piece of a walk is at an end of the strip, from which the final walk begins.
         const std::uint32_t end = walk_from(pieces, piece, tried).back();
         const NarrowStrip strip(pieces, walk_from(pieces, end, reached));
-        if (strip.all() < kFewestInRow * (1 - kRounding)) continue;
-        NarrowRow<Place> row;
+        if (strip.all() < kMinInRow * (1 - kRounding)) continue;
+        NarrowRow<Position> row;
         row.sites = sites_of(strip.walk());
-        if (row.sites.size() < kFewestInRow) continue;
+        if (row.sites.size() < kMinInRow) continue;
         row.enough = kEnough * strip.spacing();
-        row.places = strip.distribute(row.sites.size(), owner, distance);
+        row.positions = strip.distribute(row.sites.size(), owner, distance);
         rows.push_back(std::move(row));
     }
     return rows;

@@ -26,13 +26,14 @@ public:
 
     /// Places sites, given in ascending order.
     /// @returns  false if there is no place for one of the sites; after a stop the result must not be used
-    bool place(std::span<const std::uint32_t> sites, const std::stop_token& stop) {
+    bool position(std::span<const std::uint32_t> sites, const std::stop_token& stop) {
         const auto draw = [this](std::uint32_t site, int attempt) { return this->draw(site, attempt); };
         if (vacancies_.empty()) {
-            const auto left = insert_sites(mesh_, sites, draw, kAttempts, margin_, stop);
-            return std::ranges::all_of(left, [&](auto site) { return stop.stop_requested() || place_anywhere(site); });
+            const auto remaining = insert_sites(mesh_, sites, draw, kAttempts, margin_, stop);
+            return std::ranges::all_of(remaining,
+                                       [&](auto site) { return stop.stop_requested() || place_anywhere(site); });
         }
-        return std::ranges::all_of(sites, [&](auto site) { return stop.stop_requested() || place(site); });
+        return std::ranges::all_of(sites, [&](auto site) { return stop.stop_requested() || position(site); });
     }
 
 private:
@@ -43,7 +44,7 @@ private:
         return attempt == 0 && !first_.empty() ? first_[site] : start_.draw(site, attempt);
     }
 
-    bool place(std::uint32_t site) {
+    bool position(std::uint32_t site) {
         for (int attempt = 0; attempt < kAttempts; ++attempt) {
             if (insert(site, draw(site, attempt))) return true;
         }
@@ -104,7 +105,7 @@ std::optional<Error> place_sites(Triangulation& mesh, std::span<const Point> fir
     const std::size_t sites = mesh.free_count();
     Placement placement(mesh, first, start, std::move(vacancies), seed, margin);
     const bool placed =
-        for_insertion_steps(sites, [&](auto step) { return placement.place(step, stop) && !stop.stop_requested(); });
+        for_insertion_steps(sites, [&](auto step) { return placement.position(step, stop) && !stop.stop_requested(); });
     if (stop.stop_requested()) return Error{ErrorCode::Stopped, "stopped before there was a result", ""};
     if (placed) return std::nullopt;
     return Error{ErrorCode::Unusable,

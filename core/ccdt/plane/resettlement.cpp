@@ -167,11 +167,11 @@ bool Resettlement::move_away(std::uint32_t site, double least, double enough) {
 double Resettlement::clearance_beside(std::uint32_t to, std::uint32_t site) const {
     const std::uint32_t triangle = triangle_beside(to, site);
     if (triangle == kNone) return -1;
-    const auto [a, b, c] = mesh_.places(triangle);
-    const Point place = 1.0 / 3 * (a + b + c);
+    const auto [a, b, c] = mesh_.positions(triangle);
+    const Point position = 1.0 / 3 * (a + b + c);
     double squared = std::numeric_limits<double>::infinity();
     for (std::uint32_t v = 0; v < mesh_.site_count(); ++v) {
-        const Point apart = mesh_.point(v) - place;
+        const Point apart = mesh_.point(v) - position;
         if (v != site) squared = std::min(squared, dot(apart, apart));
     }
     return squared;
@@ -197,7 +197,7 @@ bool Resettlement::relocate(std::uint32_t site, std::uint32_t beside) {
     mark_outdated(beside);
     constexpr double kThird = 1.0 / 3;
     if (!can_be_divided(triangle, kThird)) return false;
-    const auto [a, b, c] = mesh_.places(triangle);
+    const auto [a, b, c] = mesh_.positions(triangle);
     return relocate_site(mesh_, site, triangle, kThird * (a + b + c));
 }
 
@@ -205,7 +205,7 @@ bool Resettlement::relocate(std::uint32_t site, std::uint32_t beside) {
 /// @param share  share of the triangle's area that the smallest of the three new triangles gets
 bool Resettlement::can_be_divided(std::uint32_t triangle, double share) const {
     constexpr double kMinShape = 1e-5;  // doubled area of each part relative to the longest edge squared
-    const auto [a, b, c] = mesh_.places(triangle);
+    const auto [a, b, c] = mesh_.positions(triangle);
     const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
     const double least = std::max(kMinShape * longest, least_height_ * std::sqrt(longest));
     return share * mesh_.doubled_area(triangle) >= least;
@@ -232,22 +232,22 @@ bool Resettlement::is_in_small_part(std::uint32_t site) {
 /// Returns the place that is farthest from all other sites, in the small part where `site` lies. Distances count
 /// only up to the least distance that two sites should have. Of equally far places, returns one in the largest
 /// triangle.
-Resettlement::Place Resettlement::farthest_place(std::uint32_t site) {
+Resettlement::Position Resettlement::farthest_position(std::uint32_t site) {
     constexpr double kThird = 1.0 / 3, kSixth = 1.0 / 6;
-    constexpr std::array<std::array<double, 3>, 4> kPlaces{{{kThird, kThird, kThird},
-                                                            {4 * kSixth, kSixth, kSixth},
-                                                            {kSixth, 4 * kSixth, kSixth},
-                                                            {kSixth, kSixth, 4 * kSixth}}};
+    constexpr std::array<std::array<double, 3>, 4> kPositions{{{kThird, kThird, kThird},
+                                                               {4 * kSixth, kSixth, kSixth},
+                                                               {kSixth, 4 * kSixth, kSixth},
+                                                               {kSixth, kSixth, 4 * kSixth}}};
     const auto& triangles = small_parts().triangles[mesh_.part_of(site)];
     const double enough = enough_squared(site);
     const auto near = sites_near(triangles, site, std::sqrt(enough));
-    Place best;
+    Position best;
     double best_area = 0;
     for (const std::uint32_t t : triangles) {
         if (!can_be_divided(t, kSixth)) continue;
-        const auto [a, b, c] = mesh_.places(t);
+        const auto [a, b, c] = mesh_.positions(t);
         const double area = mesh_.doubled_area(t);
-        for (const auto& [u, v, w] : kPlaces) {
+        for (const auto& [u, v, w] : kPositions) {
             const Point p = u * a + v * b + w * c;
             double squared = enough;
             for (const Point other : near) squared = std::min(squared, dot(p - other, p - other));
@@ -272,7 +272,7 @@ std::vector<Point> Resettlement::sites_near(std::span<const std::uint32_t> trian
                                             double reach) const {
     Box box{mesh_.point(but), mesh_.point(but)};
     for (const std::uint32_t t : triangles) {
-        for (const Point corner : mesh_.places(t)) box.include(corner);
+        for (const Point corner : mesh_.positions(t)) box.include(corner);
     }
     std::vector<Point> near;
     for (std::uint32_t v = 0; v < mesh_.site_count(); ++v) {
@@ -288,13 +288,13 @@ bool Resettlement::separate(std::array<std::uint32_t, 2> pair) {
     const Point apart = mesh_.point(pair[1]) - mesh_.point(pair[0]);
     const double enough = std::min(enough_squared(pair[0]), enough_squared(pair[1]));
     if (dot(apart, apart) >= enough) return false;
-    Place best{dot(apart, apart), kNone, {}};
+    Position best{dot(apart, apart), kNone, {}};
     std::uint32_t moved = kNone;
     for (const std::uint32_t site : pair) {
         if (!is_in_small_part(site)) continue;
-        const Place place = farthest_place(site);
-        if (place.squared <= best.squared) continue;
-        best = place;
+        const Position position = farthest_position(site);
+        if (position.squared <= best.squared) continue;
+        best = position;
         moved = site;
     }
     if (best.squared < enough) {

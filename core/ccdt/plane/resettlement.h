@@ -58,7 +58,7 @@ private:
         std::uint32_t site;
     };
     /// A candidate place for a site in a small part.
-    struct Place {
+    struct Position {
         double squared = 0;  ///< squared distance to the nearest other site
         std::uint32_t triangle = 0;
         Point point;
@@ -78,7 +78,7 @@ private:
     void mark_outdated(std::uint32_t site);
     const SmallParts& small_parts();
     bool is_in_small_part(std::uint32_t site);
-    Place farthest_place(std::uint32_t site);
+    Position farthest_position(std::uint32_t site);
     double enough_squared(std::uint32_t site) const;
     std::vector<Point> sites_near(std::span<const std::uint32_t> triangles, std::uint32_t but, double reach) const;
     bool can_be_divided(std::uint32_t triangle, double share) const;

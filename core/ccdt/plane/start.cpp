@@ -86,13 +86,13 @@ std::vector<std::size_t> divide_among(std::span<const Zone> zones, std::size_t s
     const auto classes = group_into_classes(densities);
     std::vector<std::vector<double>> quotas(classes.size(), std::vector<double>(zones.size()));
     std::vector<double> sums(classes.size());
-    std::vector<Point3> places(zones.size()), line;  // of the zones; of the classes
+    std::vector<Point3> positions(zones.size()), line;  // of the zones; of the classes
     double total = 0;
     for (std::size_t each = 0; each < classes.size(); ++each) {
         line.push_back({static_cast<double>(each), 0, 0});
         for (const std::uint32_t number : classes[each]) {
             const Zone& zone = zones[number];
-            if (zone.capacity > 0) places[number] = 1 / zone.capacity * zone.moment;
+            if (zone.capacity > 0) positions[number] = 1 / zone.capacity * zone.moment;
             quotas[each][number] = zone.capacity;
             sums[each] += zone.capacity;
             total += zone.capacity;
@@ -105,7 +105,7 @@ std::vector<std::size_t> divide_among(std::span<const Zone> zones, std::size_t s
         for (double& quota : quotas[each]) quota *= sums[each] > 0 ? static_cast<double>(counts[each]) / sums[each] : 0;
     }
     std::vector<std::size_t> result(zones.size());
-    for (const auto& numbers : apportion(places, quotas))
+    for (const auto& numbers : apportion(positions, quotas))
         std::ranges::transform(result, numbers, result.begin(), std::plus{});
     return result;
 }
@@ -161,7 +161,7 @@ void StartSites::make_grid(const Domain& domain, std::size_t sites) {
     std::vector<double> share;
     if (!domain.is_box()) share = shares_of(domain, columns_, rows_);
     std::vector<double> masses;
-    if (!fixed_.empty()) masses = masses_left(domain, share, sites);
+    if (!fixed_.empty()) masses = masses_remaining(domain, share, sites);
     sums_.assign((width + 1) * (height + 1), 0);
     std::vector<double> row_mass(width, 1);
     for (std::size_t row = 0; row < height; ++row) {
@@ -178,7 +178,8 @@ void StartSites::make_grid(const Domain& domain, std::size_t sites) {
 
 /// Returns the capacities of the cells minus the capacities that fixed points take there.
 /// @param share  share of each cell that the domain covers; empty: 1 for every cell
-std::vector<double> StartSites::masses_left(const Domain& domain, const std::vector<double>& share, std::size_t sites) {
+std::vector<double> StartSites::masses_remaining(const Domain& domain, const std::vector<double>& share,
+                                                 std::size_t sites) {
     const auto width = static_cast<std::size_t>(columns_), height = static_cast<std::size_t>(rows_);
     std::vector<double> masses(width * height, 1);
     for (std::size_t row = 0; row < height && !density_.is_uniform(); ++row)
@@ -322,13 +323,13 @@ double StartSites::acceptance(double x, double y) const {
 
 /// Numbers independently drawn sites along Morton's curve.
 void StartSites::number_along_curve() {
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> places;
-    places.reserve(cell_of_.size());
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> positions;
+    positions.reserve(cell_of_.size());
     for (std::uint32_t i = 0; i < cell_of_.size(); ++i) {
-        places.emplace_back(morton_position(draw_stream(i, 0, cells_[0])), i);
+        positions.emplace_back(morton_position(draw_stream(i, 0, cells_[0])), i);
     }
-    std::sort(places.begin(), places.end());
-    for (const auto& [place, number] : places) stream_of_.push_back(number);
+    std::sort(positions.begin(), positions.end());
+    for (const auto& [position, number] : positions) stream_of_.push_back(number);
 }
 
 Point StartSites::draw(std::size_t site, int attempt) const {
@@ -358,12 +359,12 @@ Point StartSites::draw_in_zone(std::size_t site, int attempt) const {
     const Rectangle& box = cells_[cell_of_[site]];
     const ZoneShare& own = zone_of_[site];
     Random random(seed_, site + (static_cast<std::uint64_t>(attempt) << 40));
-    double left = random.uniform() * own.capacity;
+    double remaining = random.uniform() * own.capacity;
     Rectangle drawn = box;
     for_parts(box, [&](const Rectangle& part, double capacity, std::uint32_t zone) {
-        if (zone != own.zone || left < 0 || !(capacity > 0)) return;
+        if (zone != own.zone || remaining < 0 || !(capacity > 0)) return;
         drawn = part;
-        left -= capacity;
+        remaining -= capacity;
     });
     const double x = std::lerp(drawn.x0, drawn.x1, random.uniform());
     return to_unit(x, std::lerp(drawn.y0, drawn.y1, random.uniform()));

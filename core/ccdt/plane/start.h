@@ -52,7 +52,7 @@ private:
     };
 
     void make_grid(const Domain& domain, std::size_t sites);
-    std::vector<double> masses_left(const Domain& domain, const std::vector<double>& share, std::size_t sites);
+    std::vector<double> masses_remaining(const Domain& domain, const std::vector<double>& share, std::size_t sites);
     void divide(const Rectangle& box, std::size_t sites);
     void share_out_zones();
     template <class Visit>

@@ -55,9 +55,9 @@ private:
     }
 
     std::pair<std::int64_t, std::int64_t> cell_of(Point p) const {
-        const auto cell = [this](double place, double side, std::int64_t cells) {
+        const auto cell = [this](double position, double side, std::int64_t cells) {
             return static_cast<std::int64_t>(
-                std::floor(torus_ ? place / side * static_cast<double>(cells) : place / apart_));
+                std::floor(torus_ ? position / side * static_cast<double>(cells) : position / apart_));
         };
         return {cell(p.x, sides_.x, columns_), cell(p.y, sides_.y, rows_)};
     }

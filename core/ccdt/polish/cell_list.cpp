@@ -17,10 +17,10 @@ constexpr int kMaxDepth = 16;
 }  // namespace
 
 template <class P>
-void BasicCellList<P>::sort(std::span<const P> places, P min, P max) {
-    assert(!places.empty());
-    sorted_.reserve(places.size());
-    for (const P p : places) sorted_.push_back({p, static_cast<std::uint32_t>(sorted_.size())});
+void BasicCellList<P>::sort(std::span<const P> positions, P min, P max) {
+    assert(!positions.empty());
+    sorted_.reserve(positions.size());
+    for (const P p : positions) sorted_.push_back({p, static_cast<std::uint32_t>(sorted_.size())});
     divide(min, max, 0, static_cast<std::uint32_t>(sorted_.size()), 0);
 }
 
@@ -93,11 +93,12 @@ void BasicCellList<P>::divide(P min, P max, std::uint32_t begin, std::uint32_t e
     cells_.resize(last + 2, {0});
 
     const std::vector<Listed> unsorted(sorted_.begin() + begin, sorted_.begin() + end);
-    for (const Listed& listed : unsorted) ++cells_[grid.cell(listed.place)].begin;
+    for (const Listed& listed : unsorted) ++cells_[grid.cell(listed.position)].begin;
     std::uint32_t upto = begin;
     for (std::size_t k = grid.first; k <= last; ++k) upto = cells_[k].begin += upto;
     cells_[last + 1].begin = end;
-    for (std::size_t i = unsorted.size(); i-- > 0;) sorted_[--cells_[grid.cell(unsorted[i].place)].begin] = unsorted[i];
+    for (std::size_t i = unsorted.size(); i-- > 0;)
+        sorted_[--cells_[grid.cell(unsorted[i].position)].begin] = unsorted[i];
 
     if (depth == kMaxDepth) return;
     const P size = vector(sides.x / columns, sides.y / rows, height(sides) / layers);
@@ -117,20 +118,20 @@ void BasicCellList<P>::divide(P min, P max, std::uint32_t begin, std::uint32_t e
 }
 
 template <>
-BasicCellList<Point>::BasicCellList(const Domain& domain, std::span<const Point> places)
+BasicCellList<Point>::BasicCellList(const Domain& domain, std::span<const Point> positions)
     : torus_(domain.is_torus()), sides_(domain.unit_bounds().max) {
-    sort(places, domain.unit_bounds().min, domain.unit_bounds().max);
+    sort(positions, domain.unit_bounds().min, domain.unit_bounds().max);
 }
 
 template <>
-BasicCellList<Point3>::BasicCellList(std::span<const Point3> places) : torus_(false) {
-    const Box3 box = bounds_of(places);
-    sort(places, box.min, box.max);
+BasicCellList<Point3>::BasicCellList(std::span<const Point3> positions) : torus_(false) {
+    const Box3 box = bounds_of(positions);
+    sort(positions, box.min, box.max);
 }
 
 template <>
-BasicCellList<Point3>::BasicCellList(Point3 torus, std::span<const Point3> places) : torus_(true), sides_(torus) {
-    sort(places, {}, torus);
+BasicCellList<Point3>::BasicCellList(Point3 torus, std::span<const Point3> positions) : torus_(true), sides_(torus) {
+    sort(positions, {}, torus);
 }
 
 template class BasicCellList<Point>;

@@ -31,22 +31,22 @@ inline double cell_side(Point3 sides, double count) {
 template <class P>
 class BasicCellList {
 public:
-    /// @param places  [n >= 1], in the domain's bounding box; on a torus, wrapped into it
+    /// @param positions  [n >= 1], in the domain's bounding box; on a torus, wrapped into it
     ///
     /// O(points), multiplied by the depth of nested grids.
-    BasicCellList(const Domain& domain, std::span<const P> places);
+    BasicCellList(const Domain& domain, std::span<const P> positions);
 
-    /// @param places  [n >= 1], anywhere in space
+    /// @param positions  [n >= 1], anywhere in space
     ///
     /// O(points), multiplied by the depth of nested grids, which is small even for points on a surface.
-    explicit BasicCellList(std::span<const P> places);
+    explicit BasicCellList(std::span<const P> positions);
 
     /// @param torus   sides of a torus in space, > 0
-    /// @param places  [n >= 1], wrapped into the torus
-    BasicCellList(P torus, std::span<const P> places);
+    /// @param positions  [n >= 1], wrapped into the torus
+    BasicCellList(P torus, std::span<const P> positions);
 
     /// Calls function(point, number) for each point that may be within `reach` of p. Some points farther away may be
-    /// included. `number` is the index of the point in `places`. On a torus, `point` is the copy nearest to p.
+    /// included. `number` is the index of the point in `positions`. On a torus, `point` is the copy nearest to p.
     /// @param reach     > 0
     /// @param function  may return a bool; the search ends when it is false
     template <class Function>
@@ -76,7 +76,7 @@ public:
     /// @param runs  out; cleared first
     void find_near(P p, double reach, std::vector<Run>& runs) const;
 
-    /// Returns the indices of all points in `places`, sorted by cell. Runs are ranges of this list.
+    /// Returns the indices of all points in `positions`, sorted by cell. Runs are ranges of this list.
     std::vector<std::uint32_t> numbers() const;
 
 private:
@@ -102,8 +102,8 @@ private:
         double cells_per_length = 0;
         int cells = 1;
 
-        double place(double v) const { return (v - origin) * cells_per_length; }
-        int cell(double v) const { return static_cast<int>(std::clamp(place(v), 0.0, cells - 1.0)); }
+        double position(double v) const { return (v - origin) * cells_per_length; }
+        int cell(double v) const { return static_cast<int>(std::clamp(position(v), 0.0, cells - 1.0)); }
         Range within(double v, double reach) const { return {cell(v - reach), cell(v + reach)}; }
     };
 
@@ -130,7 +130,7 @@ private:
     };
 
     struct Listed {
-        P place;
+        P position;
         std::uint32_t number;
     };
 
@@ -140,8 +140,9 @@ private:
     /// beyond the grid's ends, but contains no cell twice.
     Range around(double v, double reach, const Axis& axis) const {
         if (!torus_) return axis.within(v, reach);
-        const auto cell = [&](double place) {
-            return static_cast<int>(std::clamp(std::floor(axis.place(place)), -1.0 * axis.cells, 2.0 * axis.cells - 1));
+        const auto cell = [&](double position) {
+            return static_cast<int>(
+                std::clamp(std::floor(axis.position(position)), -1.0 * axis.cells, 2.0 * axis.cells - 1));
         };
         const int first = cell(v - reach);
         return {first, std::min(cell(v + reach), first + axis.cells - 1)};
@@ -154,9 +155,9 @@ private:
         if (cell.grid == 0) {
             for (std::uint32_t k = cell.begin; k < cells_[number + 1].begin; ++k) {
                 if constexpr (std::same_as<bool, decltype(function(p, k))>) {
-                    if (!function(sorted_[k].place + shift, sorted_[k].number)) return false;
+                    if (!function(sorted_[k].position + shift, sorted_[k].number)) return false;
                 } else {
-                    function(sorted_[k].place + shift, sorted_[k].number);
+                    function(sorted_[k].position + shift, sorted_[k].number);
                 }
             }
             return true;
@@ -179,7 +180,7 @@ private:
     void add_row(std::size_t row, Range columns, P p, double reach, std::vector<Run>& runs) const;
 
     /// Lists points and sorts them into grids.
-    void sort(std::span<const P> places, P min, P max);
+    void sort(std::span<const P> positions, P min, P max);
 
     /// Sorts points into the cells of a grid over a box, and recurses into crowded cells.
     void divide(P min, P max, std::uint32_t begin, std::uint32_t end, int depth);
@@ -193,11 +194,11 @@ private:
 
 // The first constructor exists only in the plane, the others only in space.
 template <>
-BasicCellList<Point>::BasicCellList(const Domain& domain, std::span<const Point> places);
+BasicCellList<Point>::BasicCellList(const Domain& domain, std::span<const Point> positions);
 template <>
-BasicCellList<Point3>::BasicCellList(std::span<const Point3> places);
+BasicCellList<Point3>::BasicCellList(std::span<const Point3> positions);
 template <>
-BasicCellList<Point3>::BasicCellList(Point3 torus, std::span<const Point3> places);
+BasicCellList<Point3>::BasicCellList(Point3 torus, std::span<const Point3> positions);
 
 extern template class BasicCellList<Point>;
 extern template class BasicCellList<Point3>;

@@ -99,13 +99,13 @@ void ErrorGrid::spread_wanted(const CrossedCells& masses, Point side) {
         for (std::size_t piece = row.first; piece < row.end; ++piece) {
             const double mass = masses.values[row.number + piece - row.first];
             if (mass == 0) continue;
-            const auto at = place({middle(piece, side.x), 0});
+            const auto at = position({middle(piece, side.x), 0});
             const auto weights = b_spline<kDegree>(at.fraction.x);
             for (std::size_t k = 0; k < kTaps; ++k) line[at.column + k] += weights[k] * mass;
         }
-        const std::size_t first = place({middle(row.first, side.x), 0}).column;
-        const std::size_t end = place({middle(row.end - 1, side.x), 0}).column + kTaps;
-        const auto up = place({0, middle(number, side.y)});
+        const std::size_t first = position({middle(row.first, side.x), 0}).column;
+        const std::size_t end = position({middle(row.end - 1, side.x), 0}).column + kTaps;
+        const auto up = position({0, middle(number, side.y)});
         const auto weights = b_spline<kDegree>(up.fraction.y);
         for (std::size_t k = 0; k < kTaps; ++k) {
             for (std::size_t column = first; column < end; ++column)
@@ -119,7 +119,7 @@ void ErrorGrid::spread_wanted(const CrossedCells& masses, Point side) {
 void ErrorGrid::measure(std::span<const Point> sites) {
     std::ranges::fill(values_, 0.0);
     for (const Point p : sites) {
-        const auto [column, row, fraction] = place(p);
+        const auto [column, row, fraction] = position(p);
         for_taps(b_spline<kDegree>(fraction.x), b_spline<kDegree>(fraction.y), 1.0,
                  [&, column = column, row = row](std::size_t j, std::size_t i, double share) {
                      values_[number(column, row + j) + i] += share;
@@ -129,7 +129,7 @@ void ErrorGrid::measure(std::span<const Point> sites) {
 }
 
 double ErrorGrid::at(Point site) const {
-    const auto [column, row, fraction] = place(site);
+    const auto [column, row, fraction] = position(site);
     return sum_taps(b_spline<kDegree>(fraction.x), b_spline<kDegree>(fraction.y),
                     [&, column = column, row = row](std::size_t j) { return &values_[number(column, row + j)]; });
 }

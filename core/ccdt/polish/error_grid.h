@@ -36,11 +36,11 @@ public:
 private:
     /// The 4 x 4 grid points around a place. `column` and `row` are those of the lower left point. `fraction` is the
     /// offset of the place, in cells, from the point in the second row and column.
-    struct Place {
+    struct Position {
         std::size_t column, row;
         Point fraction;
     };
-    Place place(Point p) const {
+    Position position(Point p) const {
         const double x = p.x / cell_, y = p.y / cell_;
         const auto i = static_cast<std::size_t>(x), j = static_cast<std::size_t>(y);
         return {i, j, {x - static_cast<double>(i), y - static_cast<double>(j)}};

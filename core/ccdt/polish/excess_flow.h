@@ -34,13 +34,13 @@ public:
     /// @param toward    returns the vector from one site to another
     /// @param spacings  [sites] 1 / sqrt(wanted density of sites)
     /// @param moves     out [sites], each at most 0.35 of the local spacing
-    template <class Toward, class Place>
-    void moves(Toward&& toward, std::span<const double> spacings, std::span<Place> moves) const {
+    template <class Toward, class Position>
+    void moves(Toward&& toward, std::span<const double> spacings, std::span<Position> moves) const {
         constexpr double kMaxMove = 0.35;  // in spacings; 0.25 gives 1 dB more noise in fjords: core/README.md
         constexpr std::size_t kSites = 4096;
         for_ranges(executor_, potential_.size(), kSites, [&](std::size_t begin, std::size_t end) {
             for (auto v = static_cast<std::uint32_t>(begin); v < end; ++v) {
-                Place move;
+                Position move;
                 for (const auto& [to, conductance] : solver_.links(v)) {
                     const double flow = conductance * (potential_[to] - potential_[v]);
                     move = move + (flow / 2) * toward(v, to);

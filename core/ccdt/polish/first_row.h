@@ -45,8 +45,8 @@ private:
     /// @param away      any vector pointing away from the obstacle
     /// @param squared   squared length of `away`
     /// @param distance  distance of the site from the obstacle, times the length of `away`
-    template <class Place>
-    static void keep_off(Place away, double squared, double distance, double least, Place& move) {
+    template <class Position>
+    static void keep_off(Position away, double squared, double distance, double least, Position& move) {
         if (!(squared > 0)) return;  // too near for a direction
         // If the site is far enough for any direction of the move, no square root is needed.
         if (distance * distance > 2 * (least * least + dot(move, move)) * squared) return;

@@ -86,7 +86,7 @@ GraphSolver::Level GraphSolver::make_level(std::size_t vertices, std::span<const
     }
     level.inflow.resize(vertices);
     level.potential.resize(vertices);
-    level.left.resize(vertices);
+    level.remaining.resize(vertices);
     return level;
 }
 
@@ -174,14 +174,14 @@ void GraphSolver::cycle(std::size_t number) {
         }
     });
     for_blocks(level.size(), [&](std::uint32_t begin, std::uint32_t end) {
-        for (std::uint32_t v = begin; v < end; ++v) level.left[v] = flow(level.later[v], level.first[v + 1]);
+        for (std::uint32_t v = begin; v < end; ++v) level.remaining[v] = flow(level.later[v], level.first[v + 1]);
     });
     Level& next = levels_[number + 1];
     for_blocks(next.size(), [&](std::uint32_t begin, std::uint32_t end) {
         for (std::uint32_t v = begin; v < end; ++v) {
             next.inflow[v] = 0;
             for (std::uint32_t k = level.first_member[v]; k < level.first_member[v + 1]; ++k)
-                next.inflow[v] += level.left[level.members[k]];
+                next.inflow[v] += level.remaining[level.members[k]];
         }
     });
     cycle(number + 1);
@@ -190,12 +190,12 @@ void GraphSolver::cycle(std::size_t number) {
     });
     for_blocks(level.size(), [&](std::uint32_t begin, std::uint32_t end) {
         for (std::uint32_t v = begin; v < end; ++v)
-            level.left[v] = level.inflow[v] + flow(level.beyond[v], level.first[v + 1]);
+            level.remaining[v] = level.inflow[v] + flow(level.beyond[v], level.first[v + 1]);
     });
     for_blocks(level.size(), [&](std::uint32_t begin, std::uint32_t end) {
         for (std::uint32_t i = std::min(kBlock, end - begin); i-- > 0;) {
             for (std::uint32_t v = begin + i; v < end; v += kBlock)
-                relax(v, level.left[v] + flow(level.first[v], level.beyond[v]));
+                relax(v, level.remaining[v] + flow(level.first[v], level.beyond[v]));
         }
     });
 }

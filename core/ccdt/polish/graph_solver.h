@@ -65,9 +65,9 @@ private:
         /// Lists of the vertices that each vertex of the next level replaces. `members` contains all lists [vertices],
         /// and `first_member` the start of each list [vertices of the next level + 1].
         std::vector<std::uint32_t> members, first_member;
-        /// [vertices] State of cycle(). `left` is first the residual, then the inflow including flows from other
+        /// [vertices] State of cycle(). `remaining` is first the residual, then the inflow including flows from other
         /// blocks.
-        std::vector<double> inflow, potential, left;
+        std::vector<double> inflow, potential, remaining;
 
         std::size_t size() const { return sum.size(); }
         std::span<const Link> links(std::uint32_t v) const { return between(first[v], first[v + 1]); }

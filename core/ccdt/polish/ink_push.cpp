@@ -31,17 +31,17 @@ double share_of(const InkSite& site, const InkSite& other) {
 std::vector<Point> push_inks_apart(const Domain& domain, std::span<const InkSite> sites, double reach, double push,
                                    const std::stop_token& stop) {
     constexpr std::uint32_t kStopStride = 4096;
-    std::vector<Point> places;
-    places.reserve(sites.size());
+    std::vector<Point> positions;
+    positions.reserve(sites.size());
     for (const InkSite& site : sites)
-        places.push_back(domain.is_torus() ? wrapped(site.place, domain.unit_bounds().max) : site.place);
-    const CellList cells(domain, places);
+        positions.push_back(domain.is_torus() ? wrapped(site.position, domain.unit_bounds().max) : site.position);
+    const CellList cells(domain, positions);
     std::vector<Point> moves(sites.size());
     for (std::uint32_t a = 0; a < sites.size(); ++a) {
         if (a % kStopStride == 0 && stop.stop_requested()) break;
         const double least = reach * hexagonal_spacing(1) * sites[a].spacing;
-        cells.for_near(places[a], least, [&](Point other, std::uint32_t b) {
-            const Point apart = places[a] - other;
+        cells.for_near(positions[a], least, [&](Point other, std::uint32_t b) {
+            const Point apart = positions[a] - other;
             const double squared = dot(apart, apart);
             if (squared >= least * least || sites[b].ink == sites[a].ink) return;
             const double distance = std::sqrt(squared);

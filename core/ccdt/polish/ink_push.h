@@ -13,7 +13,7 @@ namespace ccdt {
 
 /// A site of one of several inks.
 struct InkSite {
-    Point place;         ///< in the unit frame; on a torus, any periodic copy
+    Point position;      ///< in the unit frame; on a torus, any periodic copy
     double spacing = 0;  ///< local spacing of all inks' sites together: 1 / sqrt(density of sites)
     std::uint32_t ink = 0;
     double own_spacing = 1;  ///< local spacing of the sites of the same ink; only ratios matter

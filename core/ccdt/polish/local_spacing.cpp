@@ -35,15 +35,15 @@ double LocalSpacing::sites_of(std::size_t level, std::size_t column, std::size_t
 }
 
 double LocalSpacing::at(Point p) const {
-    const auto index = [](double place, int cells) {
-        return static_cast<std::size_t>(std::clamp(static_cast<int>(place), 0, cells - 1));
+    const auto index = [](double position, int cells) {
+        return static_cast<std::size_t>(std::clamp(static_cast<int>(position), 0, cells - 1));
     };
     const std::size_t column = index(p.x / cell_.x, density_.width()), row = index(p.y / cell_.y, density_.height());
     std::size_t level = 0;
     while (level < levels_.size() && sites_of(level, column >> level, row >> level) < 1) ++level;
     // Blocks at the far sides of the grid may be incomplete.
-    const auto extent = [level](std::size_t place, int cells) {
-        const std::size_t begin = place >> level << level;
+    const auto extent = [level](std::size_t position, int cells) {
+        const std::size_t begin = position >> level << level;
         return static_cast<double>(std::min(static_cast<std::size_t>(cells), begin + (std::size_t{1} << level)) -
                                    begin);
     };

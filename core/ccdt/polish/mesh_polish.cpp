@@ -67,10 +67,10 @@ Point MeshPolish::allowed(Point from, Point to, Spacing&& spacing) const {
     to = inside(to);
     if (density_.is_uniform()) return to;
     if (support_.zones() > 1) return inside(support_.nearest_in_zone(from, to));
-    const Point corner = support_.box_corner(to), place = to - corner;
-    const auto here = support_.inset_in_cell(place);
-    if (here == place) return to;
-    return inside(corner + (here ? *here : support_.nearest(place, kReach * spacing())));
+    const Point corner = support_.box_corner(to), position = to - corner;
+    const auto here = support_.inset_in_cell(position);
+    if (here == position) return to;
+    return inside(corner + (here ? *here : support_.nearest(position, kReach * spacing())));
 }
 
 void MeshPolish::even_out_start(std::span<Point> sites, const std::stop_token& stop) {
@@ -80,12 +80,12 @@ void MeshPolish::even_out_start(std::span<Point> sites, const std::stop_token& s
     constexpr int kRounds = 5, kFreeRounds = 3;
     constexpr double kMomentum = 0.5;
     if (density_.is_uniform() || !transport_) return;
-    moves_.resize(sites.size() + fixed_.places.size());
+    moves_.resize(sites.size() + fixed_.positions.size());
     std::vector<Point> last(sites.size()), all;
     for (int round = 0; round < kRounds; ++round) {
-        if (!fixed_.places.empty()) {
+        if (!fixed_.positions.empty()) {
             all.assign(sites.begin(), sites.end());
-            all.insert(all.end(), fixed_.places.begin(), fixed_.places.end());
+            all.insert(all.end(), fixed_.positions.begin(), fixed_.positions.end());
         }
         if (!transport_->displacements(all.empty() ? sites : all, moves_, stop, fixed_.weights)) break;
         const bool free = round < kFreeRounds;
@@ -158,7 +158,7 @@ void MeshPolish::even_out(Triangulation& mesh, const std::stop_token& stop) {
     if (transport_) {
         const std::span<const Point> sites = std::span<const Point>(mesh.points()).first(mesh.site_count());
         if (transport_->displacements(sites, moves_, stop, fixed_.weights)) apply(mesh);
-    } else if (density_.is_smooth() && fixed_.places.empty() && fixed_.others.empty()) {
+    } else if (density_.is_smooth() && fixed_.positions.empty() && fixed_.others.empty()) {
         if (!mesh_transport_) mesh_transport_.emplace(domain_, density_, mesh);
         measure_spacings(mesh);
         if (mesh_transport_->displacements(mesh, row_, spacings_, moves_, stop)) apply(mesh);
@@ -216,9 +216,9 @@ void MeshPolish::find_facing(const Triangulation& mesh, double half_reach) {
     facing_.clear();
     const auto sites = row_.sites();
     if (sites.empty()) return;
-    std::vector<Point> places;
-    for (const std::uint32_t site : sites) places.push_back(mesh.point(site));
-    const CellList cells(domain_, places);
+    std::vector<Point> positions;
+    for (const std::uint32_t site : sites) positions.push_back(mesh.point(site));
+    const CellList cells(domain_, positions);
     for (const std::uint32_t a : sites) {
         cells.for_near(mesh.point(a), 2 * half_reach * spacing_of(a), [&](Point, std::uint32_t number) {
             const std::uint32_t b = sites[number];
@@ -326,11 +326,11 @@ void MeshPolish::apply(Triangulation& mesh) {
 /// Returns twice the area of a triangle before its sites moved.
 double MeshPolish::area_before(const Triangulation& mesh, std::uint32_t triangle) const {
     const auto corners = mesh.corners(triangle);
-    const auto place = [&](std::uint32_t i) {
+    const auto position = [&](std::uint32_t i) {
         const Point p = mesh.is_site(corners[i]) ? moves_[corners[i]] : mesh.point(corners[i]);
         return p + mesh.distance(mesh.lift(Triangulation::edge(triangle, i)));
     };
-    const Point a = place(0), b = place(1), c = place(2);
+    const Point a = position(0), b = position(1), c = position(2);
     return cross(b - a, c - a);
 }
 
@@ -344,7 +344,7 @@ bool MeshPolish::is_sound(const Triangulation& mesh, std::uint32_t triangle, dou
     const double before = area_before(mesh, triangle);
     if (area < kKeptArea * before) return false;
     if (is_large) return true;
-    const auto [a, b, c] = mesh.places(triangle);
+    const auto [a, b, c] = mesh.positions(triangle);
     const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
     const double least = std::max(kMinShape * longest, domain_.resolution() * std::sqrt(longest));
     return area >= std::min(before, least) && orientation(a, b, c) > 0;

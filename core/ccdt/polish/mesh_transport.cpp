@@ -24,7 +24,7 @@ std::vector<BorderEdge> border_of(const Domain& domain, const Density& density, 
     std::vector<double> wanted(mesh.part_count(), 0), held(mesh.part_count(), 0);
     for (std::uint32_t v = 0; v < mesh.site_count(); ++v) held[mesh.part_of(v)] += 1;
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
-        const auto [a, b, c] = mesh.places(t);
+        const auto [a, b, c] = mesh.positions(t);
         const Point middle = 1.0 / 3 * (a + b + c);
         const double value = density.is_uniform() ? 1
                                                   : density.value(index(middle.x / sides.x, density.width()),

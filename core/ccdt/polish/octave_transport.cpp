@@ -148,20 +148,20 @@ void OctaveTransport<P>::set_targets_from_spread(P piece, const std::stop_token&
 }
 
 template <class P>
-void OctaveTransport<P>::spread(std::span<const P> places, std::span<const double> weights) {
-    const std::size_t unweighted = places.size() - weights.size();
-    std::vector<std::uint16_t> levels(levels_.empty() ? 0 : places.size());
+void OctaveTransport<P>::spread(std::span<const P> positions, std::span<const double> weights) {
+    const std::size_t unweighted = positions.size() - weights.size();
+    std::vector<std::uint16_t> levels(levels_.empty() ? 0 : positions.size());
     for_ranges(executor_, levels.size(), kSites, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) levels[i] = levels_[cell_of(places[i])];
+        for (std::size_t i = begin; i < end; ++i) levels[i] = levels_[cell_of(positions[i])];
     });
-    std::vector<double> values(levels.empty() && weights.empty() ? 0 : places.size());
+    std::vector<double> values(levels.empty() && weights.empty() ? 0 : positions.size());
     for (std::size_t octave = 0; octave < octaves_.size(); ++octave) {
         for_ranges(executor_, values.size(), kSites, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i)
                 values[i] =
                     (i < unweighted ? 1 : weights[i - unweighted]) * (levels.empty() ? 1 : part(levels[i], octave));
         });
-        octaves_[octave].grid.spread(places, values);
+        octaves_[octave].grid.spread(positions, values);
     }
 }
 
@@ -173,11 +173,11 @@ bool OctaveTransport<P>::measure(std::span<const P> sites, std::span<const doubl
     if (frame_.origin == P{}) {
         spread(sites, weights);
     } else {
-        std::vector<P> places(sites.size());
+        std::vector<P> positions(sites.size());
         for_ranges(executor_, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) places[i] = frame_.place(sites[i]);
+            for (std::size_t i = begin; i < end; ++i) positions[i] = frame_.position(sites[i]);
         });
-        spread(places, weights);
+        spread(positions, weights);
     }
     return transform(stop);
 }

@@ -61,7 +61,7 @@ public:
             return volume;
         }
         /// Returns the nearest position in the box, relative to `origin`; on a torus, returns p.
-        P place(P p) const {
+        P position(P p) const {
             if (torus) return p;
             return by_axis<P>([&, here = p - origin](std::size_t axis) {
                 return std::clamp(along(here, axis), 0.0, along(sides, axis));
@@ -147,9 +147,9 @@ public:
         for (Octave& octave : octaves_) octave.grid.clear();
     }
     /// Spreads points on the grids of their octaves.
-    /// @param places   relative to the origin of the frame, as Frame::place() returns them
+    /// @param positions   relative to the origin of the frame, as Frame::place() returns them
     /// @param weights  [at most places] weights of the last points; all points before them have weight 1
-    void spread(std::span<const P> places, std::span<const double> weights);
+    void spread(std::span<const P> positions, std::span<const double> weights);
 
     /// Spreads sites in the domain, as above, and transforms the grids. Returns false after a stop.
     bool measure(std::span<const P> sites, std::span<const double> weights, const std::stop_token& stop);
@@ -171,7 +171,7 @@ public:
         const double unit = octave_spacing(0), scale = unit * unit / (finest().copies() * frame_.volume());
         for_ranges(executor_, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
             if (stop.stop_requested()) return;
-            for (std::size_t i = begin; i < end; ++i) moves[i] = frame_.place(sites[i]);
+            for (std::size_t i = begin; i < end; ++i) moves[i] = frame_.position(sites[i]);
             finest().gradients(moves.subspan(begin, end - begin), moves.subspan(begin, end - begin));
             for (std::size_t i = begin; i < end; ++i) {
                 const double spacing = spacing_of(sites[i]);

@@ -35,7 +35,7 @@ Polish::Polish(const Domain& domain, std::vector<Layer> layers, const std::stop_
     if (has_one_ink()) return;
     std::size_t sites = 0;
     for (const Layer& layer : layers_) sites += layer.mesh->site_count();
-    places_.resize(sites);
+    positions_.resize(sites);
     sites_.resize(sites);
     moves_.resize(sites);
     if (!domain.is_box()) return;
@@ -96,9 +96,9 @@ void Polish::gather() {
     for (std::uint32_t ink = 0; ink < layers_.size(); ++ink) {
         const Triangulation& mesh = *layers_[ink].mesh;
         for (std::uint32_t v = 0; v < mesh.site_count(); ++v, ++site) {
-            const Point place = mesh.point(v);
-            places_[site] = place;
-            sites_[site] = {place, spacing(place), ink, layers_[ink].steps->spacing(place)};
+            const Point position = mesh.point(v);
+            positions_[site] = position;
+            sites_[site] = {position, spacing(position), ink, layers_[ink].steps->spacing(position)};
         }
     }
 }
@@ -140,7 +140,7 @@ void Polish::even_out_each(const std::stop_token& stop) {
 void Polish::even_out_together(const std::stop_token& stop) {
     if (!transport_) return;
     gather();
-    if (!transport_->displacements(places_, moves_, stop)) return;
+    if (!transport_->displacements(positions_, moves_, stop)) return;
     for_each(stop, [&](const Layer& layer, std::span<Point> moves) { layer.steps->move(*layer.mesh, moves); });
 }
 

@@ -75,9 +75,9 @@ private:
     // Data of the sites of all inks, one ink after the other; empty if there is only one ink.
     std::optional<Density> density_;
     std::optional<Transport> transport_;
-    std::vector<Point> places_;   ///< [sites] positions in the unit frame
-    std::vector<InkSite> sites_;  ///< [sites] sites with their inks
-    std::vector<Point> moves_;    ///< [sites]
+    std::vector<Point> positions_;  ///< [sites] positions in the unit frame
+    std::vector<InkSite> sites_;    ///< [sites] sites with their inks
+    std::vector<Point> moves_;      ///< [sites]
 };
 
 }  // namespace ccdt

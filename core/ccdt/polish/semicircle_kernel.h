@@ -30,7 +30,7 @@ public:
     static double window(double periods, int cells) { return semicircle_spectrum<kTaps>(periods, cells); }
 
     /// Returns the padded layer of the first taps of a point.
-    std::size_t first_layer(Point3 p) const { return place(p.z, 2).first; }
+    std::size_t first_layer(Point3 p) const { return position(p.z, 2).first; }
 
     /// @param numbers  indices of the points to spread
     void spread(std::span<const Point3> points, std::span<const double> values,
@@ -45,7 +45,7 @@ public:
 private:
     static constexpr int kTaps = 6;
 
-    struct Place {
+    struct Position {
         std::size_t first;  ///< padded index of the first grid point over which a coordinate is spread
         double offset;      ///< distance from there, in cells
     };
@@ -55,7 +55,7 @@ private:
     };
 
     /// On a torus, grid points are at the corners of cells; in a box, they are at the centres.
-    Place place(double v, std::size_t axis) const {
+    Position position(double v, std::size_t axis) const {
         const int cells = frame_.cells[axis];
         const double share = v / along(frame_.sides, axis);
         const double at = frame_.torus ? (share - whole(share)) * cells : std::clamp(share, 0.0, 1.0) * cells - 0.5;
@@ -66,11 +66,11 @@ private:
 
     template <bool kSlopes>
     Taps taps(double v, std::size_t axis) const {
-        const Place place = this->place(v, axis);
+        const Position position = this->position(v, axis);
         Taps taps;
-        taps.first = place.first;
+        taps.first = position.first;
         for (std::size_t t = 0; t < kTaps; ++t) {
-            const double distance = static_cast<double>(t) - place.offset, share = 2 * distance / kTaps;
+            const double distance = static_cast<double>(t) - position.offset, share = 2 * distance / kTaps;
             taps.heights[t] = semicircle<kTaps>(distance);
             if constexpr (kSlopes)  // as a function of the coordinate
                 taps.slopes[t] =

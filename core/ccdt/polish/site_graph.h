@@ -78,7 +78,7 @@ std::vector<GraphSolver::Edge> edges_between_sites(const Mesh& mesh, Passes&& pa
     std::vector<std::array<double, 3>> cotangents(mesh.triangle_count());
     for_ranges(mesh.executor(), cotangents.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
         for (std::size_t t = begin; t < end; ++t) {
-            const auto [a, b, c] = mesh.places(static_cast<std::uint32_t>(t));
+            const auto [a, b, c] = mesh.positions(static_cast<std::uint32_t>(t));
             const auto ab = b - a, bc = c - b, ca = a - c;
             const double area = parallelogram_area(ab, bc);
             const double scale = area > kThinnest * (dot(ab, ab) + dot(bc, bc)) ? -1 / area : 0;

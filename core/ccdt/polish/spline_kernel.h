@@ -36,7 +36,7 @@ public:
     static double window(double periods, int cells) { return std::pow(sinc(periods / cells), static_cast<int>(kTaps)); }
 
     /// Returns the padded row of the first taps of a point.
-    std::size_t first_layer(Point p) const { return places<OneLane>({p}).rows[0]; }
+    std::size_t first_layer(Point p) const { return positions<OneLane>({p}).rows[0]; }
 
     /// @param numbers  indices of the points to spread
     void spread(std::span<const Point> points, std::span<const double> values,
@@ -53,7 +53,7 @@ public:
     }
 
     void spread_move(Point p, Point move) const {
-        const auto [rows, first, fraction] = places<OneLane>({p});
+        const auto [rows, first, fraction] = positions<OneLane>({p});
         const Taps<Pair> weights = b_spline<kDegree>(fraction), slopes = slopes_at(fraction);
         const Point cell = frame_.cell();
         std::array<double, kTaps> along_x, across;
@@ -159,7 +159,7 @@ private:
     /// Positions of points in the padded grid. A point has taps in six columns and six rows, three on each side of the
     /// point. `fractions` is the offset of each point, in cells, from the third column and the third row.
     template <class Lanes>
-    struct Places {
+    struct Positions {
         std::array<std::size_t, Lanes::kCount> rows;   ///< first row of the taps
         std::array<std::size_t, Lanes::kCount> first;  ///< index of the first tap
         typename Lanes::Pairs fractions;
@@ -168,7 +168,7 @@ private:
     /// Determines the grid points on which points are spread. On a torus, grid points are at the corners of cells, as
     /// in the Fourier transform. In a box, they are at the centres.
     template <class Lanes>
-    CCDT_INLINE Places<Lanes> places(const std::array<Point, Lanes::kCount>& points) const {
+    CCDT_INLINE Positions<Lanes> positions(const std::array<Point, Lanes::kCount>& points) const {
         using Pairs = typename Lanes::Pairs;
         const auto of_each = [](Pair pair) CCDT_INLINE {
             std::array<Pair, Lanes::kCount> same;
@@ -184,20 +184,20 @@ private:
         const Pairs at = (frame_.torus ? share - Lanes::whole(share) : clamped - of_each(half_cell_)) * cells;
         // Rounding can put a position at the far end of a torus.
         const Pairs last = cells - 1.0, below = Lanes::whole(at), before = last < below ? last : below;
-        Places<Lanes> places;
-        places.fractions = at - before;
+        Positions<Lanes> positions;
+        positions.fractions = at - before;
         for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) {
             const Pair point = Lanes::pair(before, lane) + 1.0;
-            places.rows[lane] = static_cast<std::size_t>(point[1]);
-            places.first[lane] = places.rows[lane] * stride_ + static_cast<std::size_t>(point[0]);
+            positions.rows[lane] = static_cast<std::size_t>(point[1]);
+            positions.first[lane] = positions.rows[lane] * stride_ + static_cast<std::size_t>(point[0]);
         }
-        return places;
+        return positions;
     }
 
     template <class Lanes>
     CCDT_INLINE void spread_few(const std::array<Point, Lanes::kCount>& points,
                                 const std::array<double, Lanes::kCount>& values) const {
-        const auto [rows, first, fractions] = places<Lanes>(points);
+        const auto [rows, first, fractions] = positions<Lanes>(points);
         const auto weights = b_spline<kDegree>(fractions);
         const auto columns = across<Lanes>(weights);
         for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) {
@@ -216,7 +216,7 @@ private:
     template <class Lanes>
     CCDT_INLINE std::array<Point, Lanes::kCount> gradients_of(const std::array<Point, Lanes::kCount>& points) const {
         using Pairs = typename Lanes::Pairs;
-        const auto [rows, first, fractions] = places<Lanes>(points);
+        const auto [rows, first, fractions] = positions<Lanes>(points);
         const auto weights = b_spline<kDegree>(fractions), slopes = slopes_at(fractions);
         // Sums over columns; each vector holds two successive columns of each point.
         std::array<std::array<Pair, Lanes::kCount>, kTaps / 2> weighted, sloping;

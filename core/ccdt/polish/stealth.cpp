@@ -94,8 +94,8 @@ bool Stealth::displacements(std::span<const Point> sites, std::span<Point> moves
 
 /// Computes F and its largest power. Returns false after a stop.
 bool Stealth::measure(std::span<const Point> sites, const std::stop_token& stop) {
-    const auto share = [](double place, double side) {
-        const double periods = place / side;
+    const auto share = [](double position, double side) {
+        const double periods = position / side;
         return std::clamp(periods - std::floor(periods), 0.0, 1.0);
     };
     std::ranges::transform(sites, positions_.begin(), [&](Point p) {

@@ -43,12 +43,12 @@ std::uint32_t Support::zone(Point p) const {
 
 Point Support::nearest_in_zone(Point from, Point to) const {
     const std::uint32_t own = zone(from - box_corner(from));
-    const Point corner = box_corner(to), place = to - corner;
-    const auto here = inset_in_cell(place, own);
-    if (here) return here == place ? to : corner + *here;
+    const Point corner = box_corner(to), position = to - corner;
+    const auto here = inset_in_cell(position, own);
+    if (here) return here == position ? to : corner + *here;
     const double reach = std::sqrt(dot(to - from, to - from));
-    const auto found = find_nearest(place, reach, own);
-    return found && dot(*found - place, *found - place) <= reach * reach ? corner + *found : from;
+    const auto found = find_nearest(position, reach, own);
+    return found && dot(*found - position, *found - position) <= reach * reach ? corner + *found : from;
 }
 
 std::optional<Point> Support::inset_in_cell(Point p, std::uint32_t zone) const {

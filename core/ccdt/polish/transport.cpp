@@ -164,17 +164,17 @@ void Transport::set_fine_targets(const Density& density, const CellBlock& block,
     const int columns = across * block.columns(), rows = up * block.rows();
     const Point piece{sides.x / columns, sides.y / rows};
     const double weight = sites_ / density.total() / (across * up);
-    std::vector<Point> places(static_cast<std::size_t>(columns));
-    std::vector<double> weights(places.size());
+    std::vector<Point> positions(static_cast<std::size_t>(columns));
+    std::vector<double> weights(positions.size());
     octaves_->clear();
     for (int row = 0; row < rows; ++row) {
         if (stop.stop_requested()) return;
         for (int column = 0; column < columns; ++column) {
             const auto i = static_cast<std::size_t>(column);
-            places[i] = {(column + 0.5) * piece.x, (row + 0.5) * piece.y};
+            positions[i] = {(column + 0.5) * piece.x, (row + 0.5) * piece.y};
             weights[i] = weight * std::max(0.0, density.value(block.left + column / across, block.low + row / up));
         }
-        octaves_->spread(places, weights);
+        octaves_->spread(positions, weights);
     }
     octaves_->set_targets_from_spread(piece, stop);
 }
@@ -182,7 +182,7 @@ void Transport::set_fine_targets(const Density& density, const CellBlock& block,
 double Transport::spacing(Point p) const {
     const double finest = octaves_->finest_spacing();
     if (spacings_.empty()) return finest;
-    const double smooth = finest * lengthened(spacings_[octaves_->cell_of(frame_.place(p))]);
+    const double smooth = finest * lengthened(spacings_[octaves_->cell_of(frame_.position(p))]);
     if (!denser_) return smooth;
     const double local = denser_->at(frame_.torus ? wrapped(p, frame_.sides) : p);
     return local < finest ? local : smooth;

@@ -62,9 +62,9 @@ void BasicWaveGrid<P>::add_all(std::span<const P> points, Counts&& counts, Add&&
         }
         return add(order);
     }
-    constexpr std::size_t kMostBands = 512;  // bounds the memory for long grids
+    constexpr std::size_t kMaxBands = 512;  // bounds the memory for long grids
     const std::size_t layers = frame_.padded(kAxes<P> - 1);
-    const std::size_t height = std::max(Kernel<P>::kBand, layers / kMostBands + 1);
+    const std::size_t height = std::max(Kernel<P>::kBand, layers / kMaxBands + 1);
     const std::size_t bands = layers / height + 1;
     const std::size_t parts = (points.size() + kPointsPerTask - 1) / kPointsPerTask;
     const Kernel<P> kernel(frame_, padded_.data());

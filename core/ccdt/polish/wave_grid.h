@@ -120,18 +120,18 @@ public:
     std::size_t line_size() const { return windows_[0].size(); }
     /// Returns the wave of the first coefficient in a line.
     Wave first_wave(std::size_t line) const {
-        const auto periods = [&](int place, std::size_t axis) {
-            return frame_.torus && 2 * place > frame_.cells[axis] ? place - frame_.cells[axis] : place;
+        const auto periods = [&](int position, std::size_t axis) {
+            return frame_.torus && 2 * position > frame_.cells[axis] ? position - frame_.cells[axis] : position;
         };
         const auto rows = static_cast<std::size_t>(frame_.cells[1]);
         return {0, periods(static_cast<int>(line % rows), 1), periods(static_cast<int>(line / rows), 2)};
     }
     /// Returns the number of a wave's coefficient.
     std::size_t number(const Wave& wave) const {
-        const auto place = [&](std::size_t axis) {
+        const auto position = [&](std::size_t axis) {
             return static_cast<std::size_t>(wave[axis] < 0 ? wave[axis] + frame_.cells[axis] : wave[axis]);
         };
-        return (place(2) * static_cast<std::size_t>(frame_.cells[1]) + place(1)) * line_size() + place(0);
+        return (position(2) * static_cast<std::size_t>(frame_.cells[1]) + position(1)) * line_size() + position(0);
     }
 
     /// Frequency in cycles per unit of length.

@@ -79,10 +79,10 @@ CCDT_INLINE inline typename Lanes::Pairs each(Number&& number) {
 
 /// Returns the capacity of a torus between the ordinates 0 and y.
 double CapacityIntegral::rows_below(double y) const {
-    const double place = y * to_grid_.y;
+    const double position = y * to_grid_.y;
     const int rows = density_.height();
-    const double copy = std::floor(place / rows);
-    const double inside = place - copy * rows;
+    const double copy = std::floor(position / rows);
+    const double inside = position - copy * rows;
     const auto row = static_cast<std::size_t>(std::min(static_cast<int>(inside), rows - 1));
     const double part = rows_below_[row + 1] - rows_below_[row];
     return copy * rows_below_.back() + rows_below_[row] + (inside - static_cast<double>(row)) * part;
@@ -254,7 +254,9 @@ double CapacityIntegral::at(Point p) const {
         g = {g.x - std::floor(g.x / density_.width()) * density_.width(),
              g.y - std::floor(g.y / density_.height()) * density_.height()};
     }
-    const auto cell = [](double place, int count) { return static_cast<int>(std::clamp(place, 0.0, count - 1.0)); };
+    const auto cell = [](double position, int count) {
+        return static_cast<int>(std::clamp(position, 0.0, count - 1.0));
+    };
     const int column = cell(g.x, density_.width()), row = cell(g.y, density_.height());
     return density_.value(column, row) * to_grid_.x * to_grid_.y;
 }

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/ccdt/relax/triangle_aims.h"
+#include "core/ccdt/relax/border_goals.h"
 
 namespace ccdt {
 
@@ -19,9 +19,9 @@ double unit_of(const Triangulation& mesh, double total) {
 
 /// Whether few triangles have goals of their own, so that a hash table can store these goals. With more such triangles,
 /// look-ups would dominate the time of a pass.
-bool are_rare(const Aims& aims, std::size_t triangles) {
+bool are_rare(const BorderGoals& border_goals, std::size_t triangles) {
     constexpr std::size_t kRims = 32;
-    return aims.triangles.size() * kRims < triangles;
+    return border_goals.triangles.size() * kRims < triangles;
 }
 
 /// Computes the weights of triangles from their capacities.
@@ -36,8 +36,8 @@ public:
         return area > 0 ? std::min(reached_by(t) / area, largest_) : largest_;
     }
 
-    Aims aims(std::span<const std::uint8_t> in_row = {}) const {
-        return find_aims(
+    BorderGoals border_goals(std::span<const std::uint8_t> in_row = {}) const {
+        return find_border_goals(
             mesh_, [this](std::uint32_t t) { return reached_by(t); }, *this, in_row);
     }
 
@@ -48,14 +48,17 @@ private:
     double largest_;
 };
 
-/// Sets a goal for each triangle. A triangle that is not listed in `aims` gets its weight, and the target and share 1.
+/// Sets a goal for each triangle. A triangle that is not listed in `border_goals` gets its weight, and the target and
+/// share 1.
 template <class WeightOf>
-void set_each(const Triangulation& mesh, const Aims& aims, WeightOf&& weight_of, std::vector<TriangleGoal>& goals) {
+void set_each(const Triangulation& mesh, const BorderGoals& border_goals, WeightOf&& weight_of,
+              std::vector<TriangleGoal>& goals) {
     goals.resize(mesh.triangle_count());
     for_ranges(mesh.executor(), goals.size(), kRange, [&](std::size_t begin, std::size_t end) {
         for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) goals[t] = {weight_of(t), 1, 1};
     });
-    for (std::size_t i = 0; i < aims.goals.size(); ++i) goals[aims.triangles[i]] = aims.goals[i];
+    for (std::size_t i = 0; i < border_goals.goals.size(); ++i)
+        goals[border_goals.triangles[i]] = border_goals.goals[i];
 }
 
 }  // namespace
@@ -68,26 +71,26 @@ double set_goals(const Triangulation& mesh, const CapacityIntegral& capacity, co
 double set_goals(const Triangulation& mesh, double total, double densest, const std::vector<double>& capacities,
                  std::vector<TriangleGoal>& goals) {
     const Weights weights(mesh, total, densest, capacities);
-    const Aims aims = weights.aims();
-    set_each(mesh, aims, weights, goals);
-    return aims.reached.variation();
+    const BorderGoals border_goals = weights.border_goals();
+    set_each(mesh, border_goals, weights, goals);
+    return border_goals.reached.variation();
 }
 
 double set_goals(const Triangulation& mesh, double total, double densest, std::vector<double> capacities,
                  TriangleGoals& goals, std::span<const std::uint8_t> in_row) {
     const Weights weights(mesh, total, densest, capacities);
-    Aims aims = weights.aims(in_row);
-    if (!are_rare(aims, mesh.triangle_count())) {
+    BorderGoals border_goals = weights.border_goals(in_row);
+    if (!are_rare(border_goals, mesh.triangle_count())) {
         std::vector<TriangleGoal> each = goals.release();
-        set_each(mesh, aims, weights, each);
+        set_each(mesh, border_goals, weights, each);
         goals = std::move(each);
-        return aims.reached.variation();
+        return border_goals.reached.variation();
     }
     for_ranges(mesh.executor(), capacities.size(), kRange, [&](std::size_t begin, std::size_t end) {
         for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) capacities[t] = weights(t);
     });
-    goals = {std::move(capacities), std::move(aims.triangles), std::move(aims.goals)};
-    return aims.reached.variation();
+    goals = {std::move(capacities), std::move(border_goals.triangles), std::move(border_goals.goals)};
+    return border_goals.reached.variation();
 }
 
 double set_even_goals(const Triangulation& mesh, double total, TriangleGoals& goals,
@@ -95,15 +98,15 @@ double set_even_goals(const Triangulation& mesh, double total, TriangleGoals& go
     const double weight = unit_of(mesh, total) / 2;
     const auto weight_of = [&](std::uint32_t) { return weight; };
     const auto reached_by = [&](std::uint32_t t) { return weight * std::max(0.0, mesh.doubled_area(t)); };
-    Aims aims = find_aims(mesh, reached_by, weight_of, in_row);
-    if (are_rare(aims, mesh.triangle_count())) {
-        goals = {TriangleGoal{weight, 1, 1}, std::move(aims.triangles), std::move(aims.goals)};
+    BorderGoals border_goals = find_border_goals(mesh, reached_by, weight_of, in_row);
+    if (are_rare(border_goals, mesh.triangle_count())) {
+        goals = {TriangleGoal{weight, 1, 1}, std::move(border_goals.triangles), std::move(border_goals.goals)};
     } else {
         std::vector<TriangleGoal> each;
-        set_each(mesh, aims, weight_of, each);
+        set_each(mesh, border_goals, weight_of, each);
         goals = std::move(each);
     }
-    return aims.reached.variation();
+    return border_goals.reached.variation();
 }
 
 }  // namespace ccdt

@@ -62,14 +62,14 @@ struct Relaxation::Rings {
     using Pairs = typename Lanes::Pairs;
 
     CCDT_INLINE Rings(const Point* points, const Records<Lanes>& records) {
-        const auto place = [&](std::size_t i) CCDT_INLINE {
-            std::array<Pair, Lanes::kCount> places;
-            for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) places[lane] = load(points[records[lane][i]]);
-            return Lanes::join(places);
+        const auto position = [&](std::size_t i) CCDT_INLINE {
+            std::array<Pair, Lanes::kCount> positions;
+            for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) positions[lane] = load(points[records[lane][i]]);
+            return Lanes::join(positions);
         };
-        const Pairs here = place(0);
+        const Pairs here = position(0);
         for (std::size_t i = 0; i < kPairs; ++i) {
-            const Pairs p = place(1 + 2 * i) - here, q = place(2 + 2 * i) - here;
+            const Pairs p = position(1 + 2 * i) - here, q = position(2 + 2 * i) - here;
             x[i] = Lanes::firsts(p, q);
             y[i] = Lanes::seconds(p, q);
         }
@@ -581,7 +581,7 @@ Relaxation::Ring Relaxation::ring_of(const Fans& fans, const Fan& fan) const {
     return {{&fans.vertices[fan.first], fan.neighbours}, &fans.lifts[fan.first]};
 }
 
-Point Relaxation::place(const Ring& ring, std::size_t i) const {
+Point Relaxation::position(const Ring& ring, std::size_t i) const {
     const std::size_t at = i < ring.vertices.size() ? i : 0;
     const Point p = mesh_.point(ring.vertices[at]);
     return ring.lifts == nullptr ? p : p + ring.lifts[at];
@@ -593,7 +593,8 @@ Relaxation::NormalEquations Relaxation::equations_of(const Fans& fans, const Fan
     const Point v = mesh_.point(fan.vertex);
     NormalEquations equations;
     for (std::uint32_t i = 0; i < fan.triangles; ++i) {
-        equations.add(place(ring, i) - v, place(ring, i + 1) - v, term(fans.triangles[fan.first + i]), options_.spring);
+        equations.add(position(ring, i) - v, position(ring, i + 1) - v, term(fans.triangles[fan.first + i]),
+                      options_.spring);
     }
     return equations;
 }
@@ -624,7 +625,7 @@ void Relaxation::move(std::uint32_t vertex, Point by, const Ring& ring, std::siz
     const Point v = mesh_.point(vertex);
     double share = 1;
     for (std::size_t i = 0; i < triangles; ++i) {
-        const Point from = place(ring, i) - v, to = place(ring, i + 1) - v;
+        const Point from = position(ring, i) - v, to = position(ring, i + 1) - v;
         const double area = cross(from, to);
         const double change = (from.y - to.y) * by.x + (to.x - from.x) * by.y;
         const double longest = std::max({dot(from, from), dot(to, to), dot(to - from, to - from)});
@@ -635,7 +636,7 @@ void Relaxation::move(std::uint32_t vertex, Point by, const Ring& ring, std::siz
     // Next to flat triangles, rounding could still invert a triangle.
     const Point moved = rounded(v + share * by);
     for (std::size_t i = 0; i < triangles; ++i) {
-        const Point from = place(ring, i), to = place(ring, i + 1);
+        const Point from = position(ring, i), to = position(ring, i + 1);
         if (from != to && orientation(moved, from, to) <= 0) return;
     }
     if (share < 1 && options_.fence && mesh_.is_site(vertex) && options_.fence(vertex, moved) != moved) return;

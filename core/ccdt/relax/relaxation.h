@@ -169,7 +169,7 @@ private:
         std::span<const std::uint32_t> vertices;
         const Point* lifts;  ///< shift of each neighbour around a torus; null if there are no shifts
     };
-    Point place(const Ring& ring, std::size_t i) const;
+    Point position(const Ring& ring, std::size_t i) const;
     Ring ring_of(const Fans& fans, const Fan& fan) const;
     double mean_doubled_area() const;
     Term term(std::uint32_t triangle) const;

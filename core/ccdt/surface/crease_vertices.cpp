@@ -99,7 +99,7 @@ private:
         return chain;
     }
 
-    Point3 place(const std::vector<Step>& chain, std::size_t i) const {
+    Point3 position(const std::vector<Step>& chain, std::size_t i) const {
         return surface_.vertex(i < chain.size() ? chain[i].from : chain.back().to);
     }
 
@@ -107,37 +107,37 @@ private:
     void simplify(const std::vector<Step>& chain, std::size_t first, std::size_t last) {
         constexpr double kTolerance = 0.1;     // in local spacings
         constexpr std::size_t kStride = 1024;  // bounds the time, which can be quadratic
-        std::vector<std::pair<std::size_t, std::size_t>> left;
+        std::vector<std::pair<std::size_t, std::size_t>> remaining;
         for (std::size_t begin = first; begin < last; begin += kStride) {
             if (begin > first) chosen_.corner[chain[begin].from] = 1;
-            left.emplace_back(begin, std::min(begin + kStride, last));
+            remaining.emplace_back(begin, std::min(begin + kStride, last));
         }
-        while (!left.empty()) {
-            const auto [begin, end] = left.back();
-            left.pop_back();
+        while (!remaining.empty()) {
+            const auto [begin, end] = remaining.back();
+            remaining.pop_back();
             double farthest = 0;
             std::size_t at = begin;
             for (std::size_t i = begin + 1; i < end; ++i) {
                 const double far =
-                    distance(place(chain, i), place(chain, begin), place(chain, end)) / spacing(chain[i].from);
+                    distance(position(chain, i), position(chain, begin), position(chain, end)) / spacing(chain[i].from);
                 if (far > farthest) farthest = far, at = i;
             }
             if (farthest <= kTolerance) continue;
             chosen_.corner[chain[at].from] = 1;
-            left.emplace_back(begin, at);
-            left.emplace_back(at, end);
+            remaining.emplace_back(begin, at);
+            remaining.emplace_back(at, end);
         }
     }
 
     /// Chooses the vertices of a chain.
     void divide(const std::vector<Step>& chain) {
-        constexpr double kFewest = 3;  // vertices of a closed chain
+        constexpr double kMinVertices = 3;  // vertices of a closed chain
         const bool closed = chain.front().from == chain.back().to;
         std::size_t middle = chain.size();
         if (closed) {
             middle = 0;
             for (std::size_t i = 1; i < chain.size(); ++i) {
-                const auto off = [&](std::size_t k) { return length(place(chain, k) - place(chain, 0)); };
+                const auto off = [&](std::size_t k) { return length(position(chain, k) - position(chain, 0)); };
                 if (off(i) > off(middle)) middle = i;
             }
             chosen_.corner[chain.front().from] = chosen_.corner[chain[middle].from] = 1;
@@ -148,19 +148,20 @@ private:
             std::vector<double> until{0};  // length of the chain in local spacings
             for (end = begin; end == begin || (end < chain.size() && chosen_.corner[chain[end].from] == 0); ++end) {
                 const double local = (spacing(chain[end].from) + spacing(chain[end].to)) / 2;
-                until.push_back(until.back() + length(place(chain, end + 1) - place(chain, end)) / local);
+                until.push_back(until.back() + length(position(chain, end + 1) - position(chain, end)) / local);
             }
-            const double least = closed ? std::ceil(kFewest / 2) : 1;
-            place_between(chain, begin, until, std::max(least, std::round(until.back())));
+            const double least = closed ? std::ceil(kMinVertices / 2) : 1;
+            position_between(chain, begin, until, std::max(least, std::round(until.back())));
         }
     }
 
     /// Divides a part of a chain into pieces of equal length.
     /// @param until  [edges + 1] length up to each vertex of the part
-    void place_between(const std::vector<Step>& chain, std::size_t begin, const std::vector<double>& until,
-                       double pieces) {
-        constexpr double kLeast = 1e-3;  // distance from a vertex of the surface, relative to the edge and to a piece
-        const double least = kLeast * until.back() / pieces;
+    void position_between(const std::vector<Step>& chain, std::size_t begin, const std::vector<double>& until,
+                          double pieces) {
+        constexpr double kMinDistance =
+            1e-3;  // distance from a vertex of the surface, relative to the edge and to a piece
+        const double least = kMinDistance * until.back() / pieces;
         std::size_t i = 0;
         for (double k = 1; k < pieces; ++k) {
             const double at = until.back() * k / pieces;
@@ -168,9 +169,9 @@ private:
             const double side = until[i + 1] - until[i];
             const double share = side > 0 ? (at - until[i]) / side : 0;
             const Step& step = chain[begin + i];
-            if (share < kLeast && at - until[i] < least)
+            if (share < kMinDistance && at - until[i] < least)
                 chosen_.corner[step.from] = 1;
-            else if (share > 1 - kLeast && until[i + 1] - at < least)
+            else if (share > 1 - kMinDistance && until[i + 1] - at < least)
                 chosen_.corner[step.to] = 1;
             else
                 chosen_.added.push_back({step.edge, step.reversed ? 1 - share : share});

@@ -142,9 +142,9 @@ private:
     }
 
     double spacing(const SurfacePoint& point, double capacity) const {
-        constexpr double kMost = 1e6;  // more, even infinity, is due to a density of almost 0
+        constexpr double kMax = 1e6;  // more, even infinity, is due to a density of almost 0
         const double density = density_.at(point);
-        return density > 0 ? std::min(hexagonal_spacing(density / capacity), kMost) : std::sqrt(surface_.total_area());
+        return density > 0 ? std::min(hexagonal_spacing(density / capacity), kMax) : std::sqrt(surface_.total_area());
     }
 
     std::vector<double> spacings_at_vertices() const {
@@ -164,15 +164,15 @@ private:
     std::vector<SurfacePoint> apart(const std::vector<SurfacePoint>& points, double least, double capacity) const {
         std::vector<SurfacePoint> chosen;
         if (points.empty()) return chosen;
-        std::vector<Point3> places;
-        for (const SurfacePoint& point : points) places.push_back(surface_.place(point));
-        const BasicCellList<Point3> cells(places);
+        std::vector<Point3> positions;
+        for (const SurfacePoint& point : points) positions.push_back(surface_.position(point));
+        const BasicCellList<Point3> cells(positions);
         std::vector<std::uint8_t> is_chosen(points.size(), 0);
         for (std::uint32_t i = 0; i < points.size(); ++i) {
             const double reach = least * spacing(points[i], capacity);
             bool is_near = false;
-            cells.for_near(places[i], reach, [&](Point3 place, std::uint32_t other) {
-                is_near = is_near || (is_chosen[other] != 0 && length(place - places[i]) < reach);
+            cells.for_near(positions[i], reach, [&](Point3 position, std::uint32_t other) {
+                is_near = is_near || (is_chosen[other] != 0 && length(position - positions[i]) < reach);
             });
             if (is_near) continue;
             is_chosen[i] = 1;
@@ -194,18 +194,18 @@ private:
     std::vector<SurfacePoint> without_nearest(std::vector<SurfacePoint> sites,
                                               const std::vector<SurfacePoint>& fixed) const {
         if (sites.size() == options_.sites) return sites;
-        std::vector<Point3> places;
-        for (const SurfacePoint& site : sites) places.push_back(surface_.place(site));
-        const BasicCellList<Point3> cells(places);
+        std::vector<Point3> positions;
+        for (const SurfacePoint& site : sites) positions.push_back(surface_.position(site));
+        const BasicCellList<Point3> cells(positions);
         std::vector<std::uint8_t> is_removed(sites.size(), 0);
-        std::size_t left = sites.size() - options_.sites;
-        for (std::size_t i = 0; i < fixed.size() && left > 0; ++i) {
-            const Point3 place = surface_.place(fixed[i]);
+        std::size_t remaining = sites.size() - options_.sites;
+        for (std::size_t i = 0; i < fixed.size() && remaining > 0; ++i) {
+            const Point3 position = surface_.position(fixed[i]);
             std::uint32_t nearest = Surface::kNone;
             double least = 0;
             for (double reach = spacing(fixed[i], capacity_); nearest == Surface::kNone && reach < 64; reach *= 2) {
-                cells.for_near(place, reach, [&](Point3 other, std::uint32_t number) {
-                    const double distance = length(other - place);
+                cells.for_near(position, reach, [&](Point3 other, std::uint32_t number) {
+                    const double distance = length(other - position);
                     if (is_removed[number] != 0 || (nearest != Surface::kNone && distance >= least)) return;
                     nearest = number;
                     least = distance;
@@ -213,7 +213,7 @@ private:
             }
             if (nearest == Surface::kNone) break;
             is_removed[nearest] = 1;
-            --left;
+            --remaining;
         }
         std::vector<SurfacePoint> kept;
         for (std::size_t i = 0; i < sites.size(); ++i) {

@@ -29,7 +29,7 @@ inline constexpr double kFirstStep = 0.7548776662466927, kSecondStep = 0.5698402
 
 /// Returns the barycentric coordinates of the place in a triangle that belongs to a place in the unit square. Keeps
 /// ratios of areas.
-inline std::array<double, 3> place_in_triangle(double u, double v) {
+inline std::array<double, 3> position_in_triangle(double u, double v) {
     if (u + v > 1) return {u + v - 1, 1 - u, 1 - v};
     return {1 - u - v, u, v};
 }

@@ -28,9 +28,9 @@ std::array<Point3, 3> axes_of(const std::array<Point3, 3>& triangle) {
     const auto unit = [](Point3 p) { return 1 / length(p) * p; };
     const Point3 axis = unit(edge(longest));
     const auto across = [axis](Point3 p) { return p - dot(p, axis) * axis; };
-    constexpr double kLeast = 1e-6;  // rounding would turn shorter vectors
+    constexpr double kMin = 1e-6;  // rounding would turn shorter vectors
     Point3 side = across(unit(edge((longest + 1) % 3)));
-    if (length(side) < kLeast) side = across(std::abs(axis.x) < 0.5 ? Point3{1, 0, 0} : Point3{0, 1, 0});
+    if (length(side) < kMin) side = across(std::abs(axis.x) < 0.5 ? Point3{1, 0, 0} : Point3{0, 1, 0});
     side = unit(side);
     return {axis, side, cross(axis, side)};
 }
@@ -40,8 +40,8 @@ std::array<Point3, 3> axes_of(const std::array<Point3, 3>& triangle) {
 std::array<double, 3> nearest_weights(Point3 p, const std::array<Point3, 3>& triangle) {
     const Point3 u = triangle[1] - triangle[0], v = triangle[2] - triangle[0], n = cross(u, v);
     const double length = std::max(squared(u), squared(v)), area = squared(n);
-    constexpr double kLeastArea = 1e-12;  // thinner triangles count as their edges, because rounding dominates
-    if (area > kLeastArea * length * length) {
+    constexpr double kMinArea = 1e-12;  // thinner triangles count as their edges, because rounding dominates
+    if (area > kMinArea * length * length) {
         const Point3 from = p - triangle[0], foot = from - dot(from, n) / area * n;
         const double b = dot(n, cross(foot, v)) / area, c = dot(n, cross(u, foot)) / area;
         if (b >= 0 && c >= 0 && b + c <= 1) return {std::max(0.0, 1 - b - c), b, c};
@@ -97,7 +97,7 @@ bool FaceTree::Node::is_on_ray(Point3 p) const {
 FaceTree::FaceTree(std::span<const Point3> vertices, std::vector<Face> faces) : vertices_(vertices) {
     std::vector<Item> items(faces.size());
     std::ranges::transform(faces, items.begin(), [this](const Face& face) {
-        const auto [a, b, c] = places(face);
+        const auto [a, b, c] = positions(face);
         const Box3 box = bounds_of(std::array{a, b, c});
         return Item{box.min + box.max, std::max({squared(b - a), squared(c - b), squared(a - c)}), face};
     });
@@ -107,7 +107,7 @@ FaceTree::FaceTree(std::span<const Point3> vertices, std::vector<Face> faces) : 
 
 FaceTree::Node FaceTree::box_around(std::span<const Item> items) const {
     constexpr double kShare = 1 - 1e-6;  // so that distances along rounded axes are not too long
-    const auto axes = axes_of(places(std::ranges::max_element(items, {}, &Item::longest)->face));
+    const auto axes = axes_of(positions(std::ranges::max_element(items, {}, &Item::longest)->face));
     Node node;
     for (std::size_t k = 0; k < 3; ++k) {
         for (std::size_t i = 0; i < 3; ++i) node.axes[k][i] = static_cast<float>(kShare * along(axes[k], i));
@@ -159,7 +159,7 @@ void FaceTree::search(std::uint32_t number, Range range, Point3 p, Nearest& foun
     if (second == 0) {
         for (std::uint32_t i = range.begin; i < range.end; ++i) {
             if (faces_[i].is_flat) continue;
-            const auto triangle = places(faces_[i]);
+            const auto triangle = positions(faces_[i]);
             const auto weights = nearest_weights(p, triangle);
             const double distance =
                 squared(weights[0] * triangle[0] + weights[1] * triangle[1] + weights[2] * triangle[2] - p);

@@ -78,7 +78,7 @@ private:
         std::uint32_t middle() const { return begin + (end - begin) / 2; }
     };
 
-    std::array<Point3, 3> places(const Face& face) const {
+    std::array<Point3, 3> positions(const Face& face) const {
         const auto& [a, b, c] = face.corners;
         return {vertices_[a], vertices_[b], vertices_[c]};
     }

@@ -42,7 +42,7 @@ public:
         for (std::size_t drawn = 0; drawn < count;) {
             u = wrap(u + kFirstStep);
             v = wrap(v + kSecondStep);
-            const SurfacePoint point{face, place_in_triangle(u, v)};
+            const SurfacePoint point{face, position_in_triangle(u, v)};
             if (attempts > 0 && !density_.is_uniform()) {
                 --attempts;
                 if (random.uniform() * highest > density_.at(point)) continue;
@@ -64,7 +64,7 @@ private:
         std::vector<Piece> pieces;
         double total = 0;
         for_face_pieces(side, [&](const std::array<double, 3>& centre) {
-            pieces.push_back({morton_position(surface_.place({face, centre})), centre});
+            pieces.push_back({morton_position(surface_.position({face, centre})), centre});
             total += density_.at({face, centre});
         });
         std::ranges::sort(pieces, {}, [](const Piece& piece) { return std::pair(piece.key, piece.centre); });
@@ -105,7 +105,7 @@ std::vector<std::size_t> shares(const Surface& surface, const SurfaceDensity& de
         Point3& centroid = centroids[component];
         total += mass;
         quotas[component] += mass;
-        const Point3 middle = surface.place({f, {kThird, kThird, kThird}});
+        const Point3 middle = surface.position({f, {kThird, kThird, kThird}});
         centroid = centroid + (mass / quotas[component]) * (middle - centroid);
     }
     for (double& quota : quotas) quota *= total > 0 ? static_cast<double>(sites) / total : 0;
@@ -144,7 +144,7 @@ std::vector<SurfacePoint> initial_sites(const Surface& surface, const SurfaceDen
         sampler.draw(heaviest, wanted - given, drawn);
     }
     std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(drawn.size());
-    for (std::uint32_t i = 0; i < drawn.size(); ++i) keys[i] = {morton_position(surface.place(drawn[i])), i};
+    for (std::uint32_t i = 0; i < drawn.size(); ++i) keys[i] = {morton_position(surface.position(drawn[i])), i};
     std::ranges::sort(keys);
     std::vector<SurfacePoint> sorted;
     sorted.reserve(drawn.size());

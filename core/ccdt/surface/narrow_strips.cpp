@@ -47,29 +47,29 @@ std::vector<NarrowPiece<Point3>> find_pieces(const SurfaceTriangulation& mesh, c
     const auto sites_in = [&](std::uint32_t t) {
         // Some vertices inside the surface cannot be removed.
         if (!std::ranges::all_of(mesh.corners(t), [&](std::uint32_t v) { return on_border[v] != 0; })) return 0.0;
-        const auto [a, b, c] = mesh.places(t);
+        const auto [a, b, c] = mesh.positions(t);
         const double held = density.is_uniform() ? 1 : density.at(mesh.surface().nearest(1.0 / 3 * (a + b + c)));
         return held * mesh.doubled_area(t) / 2 / capacity;
     };
     return find_narrow_pieces(mesh, sites_in, [&](std::uint32_t edge) { return mesh.twin(edge) == kNone; });
 }
 
-/// Returns the nearest piece of each place [places]; kNone if no piece is very near.
+/// Returns the nearest piece of each place [positions]; kNone if no piece is very near.
 std::vector<std::uint32_t> nearest_pieces(const std::vector<NarrowPiece<Point3>>& pieces,
-                                          std::span<const Point3> places) {
+                                          std::span<const Point3> positions) {
     constexpr double kNear = 0.1;  // in spacings
-    const CellList3 cells(places);
-    std::vector<std::uint32_t> found(places.size(), kNone);
-    std::vector<double> least(places.size(), std::numeric_limits<double>::infinity());
+    const CellList3 cells(positions);
+    std::vector<std::uint32_t> found(positions.size(), kNone);
+    std::vector<double> least(positions.size(), std::numeric_limits<double>::infinity());
     for (std::uint32_t i = 0; i < pieces.size(); ++i) {
         const auto& corners = pieces[i].corners;
         const double near = kNear * std::sqrt(pieces[i].area / pieces[i].sites);
         double reach = 0;
         for (const Point3 corner : corners) reach = std::max(reach, length(corner - pieces[i].centre));
-        cells.for_near(pieces[i].centre, reach + near, [&](Point3 place, std::uint32_t number) {
-            const auto weights = nearest_weights(place, corners);
+        cells.for_near(pieces[i].centre, reach + near, [&](Point3 position, std::uint32_t number) {
+            const auto weights = nearest_weights(position, corners);
             const Point3 nearest = weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2];
-            const double distance = length(nearest - place);
+            const double distance = length(nearest - position);
             if (distance >= std::min(near, least[number])) return;
             least[number] = distance;
             found[number] = i;
@@ -90,10 +90,10 @@ NarrowStrips::NarrowStrips(const Surface& surface, const SurfaceDensity& density
 
 std::vector<std::uint8_t> NarrowStrips::even_out(std::span<SurfacePoint> sites, const std::stop_token& stop) const {
     if (pieces_.empty()) return {};
-    std::vector<Point3> places;
-    for (const SurfacePoint& site : sites) places.push_back(surface_.place(site));
+    std::vector<Point3> positions;
+    for (const SurfacePoint& site : sites) positions.push_back(surface_.position(site));
     std::vector<std::pair<std::uint32_t, std::uint32_t>> located;  // piece, site
-    for (std::uint32_t site = 0; const std::uint32_t piece : nearest_pieces(pieces_, places)) {
+    for (std::uint32_t site = 0; const std::uint32_t piece : nearest_pieces(pieces_, positions)) {
         if (piece != kNone) located.emplace_back(piece, site);
         ++site;
     }
@@ -117,14 +117,14 @@ std::vector<std::uint8_t> NarrowStrips::even_out(std::span<SurfacePoint> sites, 
     std::vector<SurfacePoint> moved(sites.begin(), sites.end());
     std::erase_if(rows, [&](const NarrowRow<Point3>& row) {
         for (std::size_t i = 0; i < row.sites.size(); ++i) {
-            moved[row.sites[i]] = surface_.nearest(row.places[i]);
+            moved[row.sites[i]] = surface_.nearest(row.positions[i]);
             if (component(moved[row.sites[i]]) != component(sites[row.sites[i]])) return true;
         }
         return false;
     });
     if (rows.empty() || stop.stop_requested()) return {};
     auto is_moved = move_rows<Point3>(
-        rows, places, [](std::span<const Point3> all) { return CellList3(all); },
+        rows, positions, [](std::span<const Point3> all) { return CellList3(all); },
         [&](std::uint32_t a, std::uint32_t b) { return component(sites[a]) != component(sites[b]); });
     for (std::size_t i = 0; i < is_moved.size(); ++i) {
         if (is_moved[i] != 0) sites[i] = moved[i];

@@ -59,7 +59,7 @@ private:
         }
     }
 
-    std::array<Point3, 3> places(std::uint32_t face) const {
+    std::array<Point3, 3> positions(std::uint32_t face) const {
         const auto& [a, b, c] = faces_[face].corners;
         return {positions_[a], positions_[b], positions_[c]};
     }
@@ -68,15 +68,15 @@ private:
     bool is_plane(const Patch& patch) const {
         constexpr double kThickness = 1e-9;
         const auto normal_of = [this](std::uint32_t face) {
-            const auto [a, b, c] = places(face);
+            const auto [a, b, c] = positions(face);
             return cross(b - a, c - a);
         };
         Point3 normal{};
         for (const std::uint32_t face : patch.faces) normal = normal + normal_of(face);
-        const Point3 origin = places(patch.faces.front())[0];
+        const Point3 origin = positions(patch.faces.front())[0];
         const double most = kThickness * length(normal);
         return most > 0 && std::ranges::all_of(patch.faces, [&](std::uint32_t face) {
-                   return dot(normal_of(face), normal) >= 0 && std::ranges::all_of(places(face), [&](Point3 p) {
+                   return dot(normal_of(face), normal) >= 0 && std::ranges::all_of(positions(face), [&](Point3 p) {
                               return std::abs(dot(p - origin, normal)) <= most;
                           });
                });

@@ -19,7 +19,7 @@ constexpr std::size_t kPieces = 4096;  ///< pieces per task
 std::array<double, 3> spread_point(std::size_t number) {
     const auto i = static_cast<double>(number);
     const double u = kFirstStep * i, v = kSecondStep * i;
-    return place_in_triangle(u - std::floor(u), v - std::floor(v));
+    return position_in_triangle(u - std::floor(u), v - std::floor(v));
 }
 }  // namespace
 
@@ -61,7 +61,7 @@ void SiteMasses::divide(const Surface& surface, const SurfaceDensity& density, d
     constexpr double kPiecesPerSite = 3;
     constexpr std::uint32_t kMaxSide = 8192;  // pieces along the side of a part
     constexpr double kLongest = 1.3;          // edge of a piece, in spacings
-    constexpr double kLeastMass = 1.0 / 8;    // of a part that is divided
+    constexpr double kMinMass = 1.0 / 8;      // of a part that is divided
     constexpr std::uint32_t kCoarse = 4;      // pieces along the side of a part of uneven density
     if (!(part.mass > 0)) return;
     const auto side =
@@ -69,7 +69,7 @@ void SiteMasses::divide(const Surface& surface, const SurfaceDensity& density, d
     std::array<double, 3> squares{};  // squared edges from each corner to the next one
     for (std::size_t k = 0; k < 3; ++k) {
         const Point3 edge =
-            surface.place({part.face, part.corners[(k + 1) % 3]}) - surface.place({part.face, part.corners[k]});
+            surface.position({part.face, part.corners[(k + 1) % 3]}) - surface.position({part.face, part.corners[k]});
         squares[k] = dot(edge, edge);
     }
     const auto longest = static_cast<std::size_t>(std::ranges::max_element(squares) - squares.begin());
@@ -77,7 +77,7 @@ void SiteMasses::divide(const Surface& surface, const SurfaceDensity& density, d
     // Where the number of pieces is limited, a part is not divided further.
     const bool is_long = side < kMaxSide && squares[longest] * part.mass > limit * limit * part.area;
     const bool is_uneven = part.cells > 1 && side > kCoarse;
-    if (is_uneven || (is_long && part.mass > kLeastMass)) {
+    if (is_uneven || (is_long && part.mass > kMinMass)) {
         const std::size_t a = longest, b = (longest + 1) % 3;
         std::array<double, 3> middle{};
         for (std::size_t i = 0; i < 3; ++i) middle[i] = (part.corners[a][i] + part.corners[b][i]) / 2;
@@ -149,11 +149,13 @@ std::vector<std::uint32_t> SiteMasses::first_triangles(const SurfaceTriangulatio
 /// O(1); O(sqrt(sites)) if both are far away.
 std::uint32_t SiteMasses::start_of(const SurfaceTriangulation& mesh, const Piece& piece, std::uint32_t close) {
     constexpr double kFar = 32;  // edges
-    const Point3 place = mesh.surface().place(piece.at);
+    const Point3 position = mesh.surface().position(piece.at);
     const auto is_on_face = [&](std::uint32_t v) {
         return mesh.is_site(v) && mesh.on_surface(v).face == piece.at.face;
     };
-    const auto squared_distance = [&](std::uint32_t v) { return dot(mesh.point(v) - place, mesh.point(v) - place); };
+    const auto squared_distance = [&](std::uint32_t v) {
+        return dot(mesh.point(v) - position, mesh.point(v) - position);
+    };
     std::uint32_t start = close;
     double least = squared_distance(mesh.corners(close)[0]);
     const auto try_at = [&](std::uint32_t v, std::uint32_t triangle) {
@@ -173,22 +175,22 @@ std::uint32_t SiteMasses::start_of(const SurfaceTriangulation& mesh, const Piece
     return start;
 }
 
-SiteMasses::View SiteMasses::view(const SurfaceTriangulation& mesh, const SurfacePoint& at, Point3 place,
+SiteMasses::View SiteMasses::view(const SurfaceTriangulation& mesh, const SurfacePoint& at, Point3 position,
                                   std::uint32_t triangle) {
     const Point3 face_normal = mesh.surface().normal(at.face);
     View view;
     const auto& corners = mesh.corners(triangle);
-    std::array<Point3, 3> places;
+    std::array<Point3, 3> positions;
     int beyond = 0;  // corners beyond a sharp edge
     for (std::size_t k = 0; k < 3; ++k) {
-        places[k] = mesh.point(corners[k]) - place;
-        view.squared_distance = std::min(view.squared_distance, dot(places[k], places[k]));
+        positions[k] = mesh.point(corners[k]) - position;
+        view.squared_distance = std::min(view.squared_distance, dot(positions[k], positions[k]));
         if (!mesh.has_sharp_edges() || !mesh.is_site(corners[k])) continue;
         if (!is_sharp(face_normal, mesh.face_normal(corners[k]))) continue;
-        places[k] = mesh.unfolded_toward(at, places[k], corners[k]).value_or(places[k]);
+        positions[k] = mesh.unfolded_toward(at, positions[k], corners[k]).value_or(positions[k]);
         ++beyond;
     }
-    const auto& [a, b, c] = places;
+    const auto& [a, b, c] = positions;
     const Point3 own_normal = cross(b - a, c - a), normal = beyond > 0 ? face_normal : own_normal;
     view.shares = {dot(cross(b, c), normal), dot(cross(c, a), normal), dot(cross(a, b), normal)};
     const double scale = std::abs(view.shares[0]) + std::abs(view.shares[1]) + std::abs(view.shares[2]);
@@ -201,12 +203,12 @@ SiteMasses::View SiteMasses::view(const SurfaceTriangulation& mesh, const Surfac
 /// piece is in the visited triangle from which it is least outside.
 SiteMasses::View SiteMasses::locate(const SurfaceTriangulation& mesh, Piece& piece) {
     constexpr int kMaxSteps = 8;  // that come no nearer; a vertex has about six triangles
-    const Point3 place = mesh.surface().place(piece.at);
+    const Point3 position = mesh.surface().position(piece.at);
     View best;
     double nearest = std::numeric_limits<double>::infinity();
     std::uint32_t next = piece.triangle;
     for (int steps = 0; next != kNone && steps < kMaxSteps && best.least() < 0; ++steps) {
-        const View now = view(mesh, piece.at, place, next);
+        const View now = view(mesh, piece.at, position, next);
         if (now.least() > best.least()) {
             best = now;
             piece.triangle = next;

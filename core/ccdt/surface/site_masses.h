@@ -59,7 +59,7 @@ private:
     void divide(const Surface& surface, const SurfaceDensity& density, double capacity, const Part& part);
     static std::vector<std::uint32_t> first_triangles(const SurfaceTriangulation& mesh);
     static std::uint32_t start_of(const SurfaceTriangulation& mesh, const Piece& piece, std::uint32_t close);
-    static View view(const SurfaceTriangulation& mesh, const SurfacePoint& at, Point3 place, std::uint32_t triangle);
+    static View view(const SurfaceTriangulation& mesh, const SurfacePoint& at, Point3 position, std::uint32_t triangle);
     static View locate(const SurfaceTriangulation& mesh, Piece& piece);
 
     std::vector<Piece> pieces_;

@@ -22,7 +22,7 @@ constexpr std::uint32_t kNone = SurfaceTriangulation::kNone;
 constexpr std::size_t kSites = 1024;  ///< sites per task
 /// Least distance in space of two sites beside a sharp edge that is not very acute, relative to the hexagonal distance,
 /// and the reach of pushes that achieves it. A greater distance makes capacities less equal.
-constexpr double kLeastStraight = 0.62, kStraightReach = 0.7;
+constexpr double kMinStraight = 0.62, kStraightReach = 0.7;
 
 /// Averages the errors of sites with those of their neighbours a few times. Keeps the sum of the errors.
 void smooth(const SurfaceTriangulation& mesh, std::span<double> errors) {
@@ -56,31 +56,31 @@ SitePolish::SitePolish(SurfaceTriangulation& mesh, const SurfaceDensity& density
       moves_(mesh.site_count()) {}
 
 void SitePolish::measure_spacings() {
-    constexpr double kMost = 1e3;  // relative to a density of 1; limits the spacing where the density is almost 0
+    constexpr double kMax = 1e3;  // relative to a density of 1; limits the spacing where the density is almost 0
     for_ranges(mesh_.executor(), spacings_.size(), kSites, [&](std::size_t begin, std::size_t end) {
         for (auto v = static_cast<std::uint32_t>(begin); v < end; ++v)
-            spacings_[v] = std::sqrt(capacity_ / std::max(density_.at(mesh_.on_surface(v)), 1 / kMost));
+            spacings_[v] = std::sqrt(capacity_ / std::max(density_.at(mesh_.on_surface(v)), 1 / kMax));
     });
 }
 
 /// Whether two sites keep kStraightReach apart in space: any sharp edge between them is not very acute.
 bool SitePolish::keep_apart(std::uint32_t a, std::uint32_t b) const {
-    constexpr double kLeastCosine = -0.5;
-    return dot(mesh_.face_normal(a), mesh_.face_normal(b)) >= kLeastCosine;
+    constexpr double kMinCosine = -0.5;
+    return dot(mesh_.face_normal(a), mesh_.face_normal(b)) >= kMinCosine;
 }
 
 /// Whether two sites lie on different sheets, one above the other, that are nearly parallel.
 bool SitePolish::are_on_parallel_sheets(const SurfacePoint& from, const SurfacePoint& to) const {
-    constexpr double kLeastCosine = 0.9;
-    constexpr double kMostAside = 0.2;  // of the distance; more if the line along the surface ends at a border
+    constexpr double kMinCosine = 0.9;
+    constexpr double kMaxAside = 0.2;  // of the distance; more if the line along the surface ends at a border
     const Surface& surface = mesh_.surface();
     if (surface.component(from.face) == surface.component(to.face)) return false;
     const Point3 normal = surface.normal(to.face);
-    if (dot(surface.normal(from.face), normal) < kLeastCosine) return false;
-    const Point3 place = surface.place(to), straight = place - surface.place(from);
-    const Point3 apart = place - surface.place(surface.trace(from, straight - dot(straight, normal) * normal));
+    if (dot(surface.normal(from.face), normal) < kMinCosine) return false;
+    const Point3 position = surface.position(to), straight = position - surface.position(from);
+    const Point3 apart = position - surface.position(surface.trace(from, straight - dot(straight, normal) * normal));
     const Point3 aside = apart - dot(apart, normal) * normal;
-    return dot(aside, aside) <= kMostAside * kMostAside * dot(straight, straight);
+    return dot(aside, aside) <= kMaxAside * kMaxAside * dot(straight, straight);
 }
 
 void SitePolish::push(const Push& push) {
@@ -156,35 +156,35 @@ void SitePolish::apply() {
 }
 
 bool SitePolish::is_any_nearer(double least) {
-    constexpr std::size_t kMostPairs = 16;   // limits for each site, because stacked sheets could have any number
-    constexpr std::size_t kMostSheets = 64;  // ignored pairs
-    constexpr int kMostFailures = 12;
+    constexpr std::size_t kMaxPairs = 16;   // limits for each site, because stacked sheets could have any number
+    constexpr std::size_t kMaxSheets = 64;  // ignored pairs
+    constexpr int kMaxFailures = 12;
     constexpr double kRounding = 1e-12;
     measure_spacings();
     const double reach = least * hexagonal_spacing(1);
     const std::size_t sites = mesh_.site_count();
-    std::vector<Point3> places(sites);
-    for (std::uint32_t v = 0; v < sites; ++v) places[v] = mesh_.point(v);
-    cells_.emplace(places);
+    std::vector<Point3> positions(sites);
+    for (std::uint32_t v = 0; v < sites; ++v) positions[v] = mesh_.point(v);
+    cells_.emplace(positions);
     std::vector<std::vector<NearPair>> found((sites + kSites - 1) / kSites);
     for_ranges(mesh_.executor(), sites, kSites, [&](std::size_t begin, std::size_t end) {
         for (auto v = static_cast<std::uint32_t>(begin); v < end && !stop_.stop_requested(); ++v) {
             const Point3 normal = mesh_.face_normal(v);
             const double longest = reach * spacings_[v], limit = (1 + kRounding) * longest * longest;
             std::size_t pairs = 0, sheets = 0;
-            cells_->for_near(places[v], reach * spacings_[v], [&](Point3, std::uint32_t other) {
-                const Point3 apart = places[v] - places[other];
+            cells_->for_near(positions[v], reach * spacings_[v], [&](Point3, std::uint32_t other) {
+                const Point3 apart = positions[v] - positions[other];
                 if (other == v || dot(apart, apart) > limit) return true;
                 const double distance = 2 * length(apart) / (spacings_[v] + spacings_[other]);
                 if (distance >= reach) return true;
-                if (are_on_parallel_sheets(mesh_.on_surface(v), mesh_.on_surface(other))) return ++sheets < kMostSheets;
+                if (are_on_parallel_sheets(mesh_.on_surface(v), mesh_.on_surface(other))) return ++sheets < kMaxSheets;
                 // The site with the larger spacing, and so with the longer reach, lists the pair.
                 const bool lists = std::pair(spacings_[v], v) > std::pair(spacings_[other], other);
                 const auto [a, b] = std::minmax(v, other);
                 const bool near = !is_sharp(normal, mesh_.face_normal(other)) ||
-                                  (distance < kLeastStraight * hexagonal_spacing(1) && keep_apart(v, other));
+                                  (distance < kMinStraight * hexagonal_spacing(1) && keep_apart(v, other));
                 if (lists && mesh_.is_free(a) && near) found[begin / kSites].push_back({{a, b}, distance});
-                return ++pairs < kMostPairs;
+                return ++pairs < kMaxPairs;
             });
         }
     });
@@ -193,17 +193,17 @@ bool SitePolish::is_any_nearer(double least) {
     std::ranges::sort(near_, {}, &NearPair::sites);
     failures_ = near_.size() < fewest_ ? 0 : failures_ + 1;
     fewest_ = std::min(fewest_, near_.size());
-    return !near_.empty() && failures_ < kMostFailures;
+    return !near_.empty() && failures_ < kMaxFailures;
 }
 
 /// Returns triangles between free sites near a site. Those whose middles are farthest from all other sites come first.
 std::vector<std::uint32_t> SitePolish::wide_triangles(std::uint32_t site) const {
     constexpr std::size_t kVisited = 150;  // about the triangles within five spacings
-    constexpr std::size_t kMost = 16;
+    constexpr std::size_t kMax = 16;
     constexpr double kPerDistance = 0.02;  // penalty for long moves, which disturb long waves more
     // As far as the middle of a triangle of the hexagonal pattern is from its corners, in spacings. In strips of two
     // rows, triangles are narrower, and sites relocated there would stay near others.
-    constexpr double kLeast = 0.62;
+    constexpr double kMin = 0.62;
     std::vector<std::uint32_t> visited;
     mesh_.for_edges(site, [&](std::uint32_t h) { visited.push_back(h / 4); });
     for (std::size_t i = 0; i < visited.size() && visited.size() < kVisited; ++i) {
@@ -217,7 +217,7 @@ std::vector<std::uint32_t> SitePolish::wide_triangles(std::uint32_t site) const 
     for (const std::uint32_t t : visited) {
         const auto& corners = mesh_.corners(t);
         if (!std::ranges::all_of(corners, [&](std::uint32_t v) { return mesh_.is_free(v); })) continue;
-        const auto [a, b, c] = mesh_.places(t);
+        const auto [a, b, c] = mesh_.positions(t);
         const Point3 middle = 1.0 / 3 * (a + b + c), normal = mesh_.doubled_normal(t);
         const double spacing = spacings_[corners[0]];
         double least = spacing;
@@ -225,12 +225,12 @@ std::vector<std::uint32_t> SitePolish::wide_triangles(std::uint32_t site) const 
             if (v != site && dot(mesh_.face_normal(v), normal) > 0)
                 least = std::min(least, length(mesh_.point(v) - middle));
         });
-        if (least < kLeast * spacing) continue;
+        if (least < kMin * spacing) continue;
         wide.emplace_back((kPerDistance * length(middle - mesh_.point(site)) - least) / spacing, t);
     }
     std::ranges::sort(wide);
     std::vector<std::uint32_t> triangles;
-    for (const auto& [order, t] : std::span(wide).first(std::min(wide.size(), kMost))) triangles.push_back(t);
+    for (const auto& [order, t] : std::span(wide).first(std::min(wide.size(), kMax))) triangles.push_back(t);
     return triangles;
 }
 
@@ -311,10 +311,10 @@ std::optional<std::vector<SurfacePoint>> SitePolish::spread(double least) const 
     for (const NearPair& pair : pairs) {
         const std::uint32_t site = pair.sites[0];
         const double around = kAround * spacings_[site];
-        cells_->for_near(mesh_.point(site), around + 2 * spacings_[site], [&](Point3 place, std::uint32_t v) {
+        cells_->for_near(mesh_.point(site), around + 2 * spacings_[site], [&](Point3 position, std::uint32_t v) {
             const bool is_near = std::ranges::find(pair.sites, v) != pair.sites.end();
             const bool moves =
-                length(place - mesh_.point(site)) < around && mesh_.is_free(v) && (is_near || !is_beside_border(v));
+                length(position - mesh_.point(site)) < around && mesh_.is_free(v) && (is_near || !is_beside_border(v));
             role[v] = std::max<std::uint8_t>(role[v], moves ? 2 : 1);
         });
     }
@@ -326,23 +326,25 @@ std::optional<std::vector<SurfacePoint>> SitePolish::spread(double least) const 
     bool is_any_near = true;
     for (int round = 0; round < kRounds && is_any_near && !stop_.stop_requested(); ++round) {
         is_any_near = false;
-        std::vector<Point3> places, moves(sites.size());
-        for (const std::uint32_t v : sites) places.push_back(surface.place(points[v]));
-        const CellList3 cells(places);
+        std::vector<Point3> positions, moves(sites.size());
+        for (const std::uint32_t v : sites) positions.push_back(surface.position(points[v]));
+        const CellList3 cells(positions);
         for (std::uint32_t i = 0; i < sites.size(); ++i) {
             const std::uint32_t v = sites[i];
             if (role[v] < 2) continue;
             const Point3 normal = surface.normal(points[v].face);
-            cells.for_near(places[i], kReach * least * spacing * spacings_[v], [&](Point3 place, std::uint32_t k) {
-                const Point3 apart = places[i] - place;
-                const double distance = length(apart);
-                const double wanted = least * spacing * (spacings_[v] + spacings_[sites[k]]) / 2;
-                if (k == i || !(distance > 0) || distance >= kReach * wanted) return;
-                const SurfacePoint& other = points[sites[k]];
-                if (is_sharp(normal, surface.normal(other.face)) || are_on_parallel_sheets(points[v], other)) return;
-                is_any_near = is_any_near || distance < wanted;
-                moves[i] = moves[i] + (kReach * wanted - distance) / (2 * distance) * apart;
-            });
+            cells.for_near(
+                positions[i], kReach * least * spacing * spacings_[v], [&](Point3 position, std::uint32_t k) {
+                    const Point3 apart = positions[i] - position;
+                    const double distance = length(apart);
+                    const double wanted = least * spacing * (spacings_[v] + spacings_[sites[k]]) / 2;
+                    if (k == i || !(distance > 0) || distance >= kReach * wanted) return;
+                    const SurfacePoint& other = points[sites[k]];
+                    if (is_sharp(normal, surface.normal(other.face)) || are_on_parallel_sheets(points[v], other))
+                        return;
+                    is_any_near = is_any_near || distance < wanted;
+                    moves[i] = moves[i] + (kReach * wanted - distance) / (2 * distance) * apart;
+                });
         }
         for (std::uint32_t i = 0; i < sites.size(); ++i) points[sites[i]] = surface.trace(points[sites[i]], moves[i]);
     }

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "core/ccdt/relax/triangle_aims.h"
+#include "core/ccdt/relax/border_goals.h"
 #include "core/ccdt/surface/site_order.h"
 #include "core/geometry/point.h"
 
@@ -14,8 +14,8 @@ namespace ccdt {
 
 namespace {
 
-constexpr std::size_t kTriangles = 8192;     ///< triangles per task
-constexpr std::size_t kMostNeighbours = 64;  ///< sites with more neighbours are not moved
+constexpr std::size_t kTriangles = 8192;    ///< triangles per task
+constexpr std::size_t kMaxNeighbours = 64;  ///< sites with more neighbours are not moved
 
 // As in the plane: RelaxationOptions.
 constexpr double kSpring = 0.01, kRelaxation = 1.2;
@@ -26,45 +26,45 @@ constexpr double kSpring = 0.01, kRelaxation = 1.2;
 struct SiteRelaxation::Ring {
     /// Coordinates of the neighbours, relative to the site. The first neighbour is repeated at the end.
     template <std::size_t kAxes>
-    using Coordinates = std::array<std::array<double, kMostNeighbours + 1>, kAxes>;
+    using Coordinates = std::array<std::array<double, kMaxNeighbours + 1>, kAxes>;
 
     std::size_t count = 0;
-    Coordinates<3> places;
-    Coordinates<2> flat;                                   ///< in the tangent plane
-    std::array<std::uint32_t, kMostNeighbours> triangles;  ///< triangle between each neighbour and the next one
-    std::array<double, kMostNeighbours> areas;             ///< doubled areas of these triangles
-    Point3 x, y;                                           ///< axes of the plane
+    Coordinates<3> positions;
+    Coordinates<2> flat;                                  ///< in the tangent plane
+    std::array<std::uint32_t, kMaxNeighbours> triangles;  ///< triangle between each neighbour and the next one
+    std::array<double, kMaxNeighbours> areas;             ///< doubled areas of these triangles
+    Point3 x, y;                                          ///< axes of the plane
 
-    Point3 place(std::size_t i) const { return {places[0][i], places[1][i], places[2][i]}; }
+    Point3 position(std::size_t i) const { return {positions[0][i], positions[1][i], positions[2][i]}; }
     Point in_plane(std::size_t i) const { return {flat[0][i], flat[1][i]}; }
 
     /// @returns  false if the neighbours do not determine a plane, or are too many
     bool gather(const SurfaceTriangulation& mesh, std::uint32_t site) {
         mesh.for_edges(site, [&](std::uint32_t h) {
-            if (count < kMostNeighbours) {
+            if (count < kMaxNeighbours) {
                 const Point3 p = mesh.toward(site, mesh.target(h));
-                places[0][count] = p.x, places[1][count] = p.y, places[2][count] = p.z;
+                positions[0][count] = p.x, positions[1][count] = p.y, positions[2][count] = p.z;
                 triangles[count] = SurfaceTriangulation::triangle_of(h);
             }
             ++count;
         });
-        if (count < 3 || count > kMostNeighbours) return false;
-        for (auto& axis : places) axis[count] = axis[0];
+        if (count < 3 || count > kMaxNeighbours) return false;
+        for (auto& axis : positions) axis[count] = axis[0];
         Point3 normal;
         for (std::size_t i = 0; i < count; ++i) {
-            const Point3 doubled = cross(place(i), place(i + 1));
+            const Point3 doubled = cross(position(i), position(i + 1));
             areas[i] = length(doubled);
             normal = normal + doubled;
         }
         const double doubled = length(normal);
         if (!(doubled > 0)) return false;
         normal = 1 / doubled * normal;
-        x = place(0) - dot(place(0), normal) * normal;
+        x = position(0) - dot(position(0), normal) * normal;
         if (!(length(x) > 0)) return false;
         x = 1 / length(x) * x;
         y = cross(normal, x);
         for (std::size_t i = 0; i < count; ++i) {
-            const Point3 p = place(i);
+            const Point3 p = position(i);
             const double u = dot(p, x), v = dot(p, y), projected = u * u + v * v;
             const double scale = projected > 0 ? std::sqrt(dot(p, p) / projected) : 1;
             flat[0][i] = scale * u;
@@ -88,10 +88,11 @@ double SiteRelaxation::variation(std::span<const std::uint8_t> in_row) {
         }
     });
     const auto weight_of = [&](std::uint32_t t) { return goals_[t].weight; };
-    const Aims aims = find_aims(
+    const BorderGoals border_goals = find_border_goals(
         mesh_, [&](std::uint32_t t) { return goals_[t].weight * mesh_.doubled_area(t); }, weight_of, in_row);
-    for (std::size_t i = 0; i < aims.goals.size(); ++i) goals_[aims.triangles[i]] = aims.goals[i];
-    return aims.reached.variation();
+    for (std::size_t i = 0; i < border_goals.goals.size(); ++i)
+        goals_[border_goals.triangles[i]] = border_goals.goals[i];
+    return border_goals.reached.variation();
 }
 
 void SiteRelaxation::pass(int passes, const std::stop_token& stop) {
@@ -101,7 +102,7 @@ void SiteRelaxation::pass(int passes, const std::stop_token& stop) {
 }
 
 void SiteRelaxation::move(std::uint32_t site) {
-    constexpr double kLeastArea = 0.1;  // share of a triangle's area that a move must leave
+    constexpr double kMinArea = 0.1;  // share of a triangle's area that a move must leave
     Ring ring;
     if (!ring.gather(mesh_, site)) return;
     // The normal equations of the sum of (weight * doubled area - target)^2 / share, and of the springs. After a move
@@ -125,7 +126,7 @@ void SiteRelaxation::move(std::uint32_t site) {
     double share = 1;
     for (std::size_t i = 0; i < ring.count; ++i) {
         const Point a = ring.in_plane(i), b = ring.in_plane(i + 1);
-        const double lost = cross(move, b - a), most = (1 - kLeastArea) * cross(a, b);
+        const double lost = cross(move, b - a), most = (1 - kMinArea) * cross(a, b);
         if (lost > most) share = std::min(share, std::max(0.0, most / lost));
     }
     move = share * move;

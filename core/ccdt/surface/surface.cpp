@@ -97,7 +97,7 @@ std::array<double, 3> inset(const std::array<double, 3>& weights, double share) 
 /// the x axis along this edge: edge 0 in the first face, and in later faces the edge where the line enters.
 struct Surface::Walk {
     /// The smallest component of a direction that counts as different from 0.
-    static constexpr double kLeastComponent = 1e-12;
+    static constexpr double kMinComponent = 1e-12;
 
     std::uint32_t face = 0;
     double left = 0;                ///< distance left to go
@@ -166,7 +166,7 @@ Result<Surface::Made> Surface::create(const TriangleSoup& soup, std::optional<do
 void Surface::measure_faces() {
     for (std::size_t f = 0; f < faces_.size(); ++f) {
         const auto face = static_cast<std::uint32_t>(f);
-        const Point3 doubled = ConnectedTriangles::doubled_area(places(face));
+        const Point3 doubled = ConnectedTriangles::doubled_area(positions(face));
         faces_[f].area = length(doubled) / 2;
         faces_[f].normal = unit(doubled);
         total_area_ += faces_[f].area;
@@ -255,8 +255,8 @@ std::array<double, 3> Surface::original_weights(const SurfacePoint& point) const
     return {a, b, c};
 }
 
-Point3 Surface::place(const SurfacePoint& point) const {
-    const auto [a, b, c] = places(point.face);
+Point3 Surface::position(const SurfacePoint& point) const {
+    const auto [a, b, c] = positions(point.face);
     return point.weights[0] * a + point.weights[1] * b + point.weights[2] * c;
 }
 
@@ -306,16 +306,16 @@ std::pair<SurfacePoint, bool> Surface::follow(const SurfacePoint& from, Point3 m
 /// Follows a line that ends in its first face, as most short ones do. Returns none if the line leaves the face, or if
 /// rounding errors could be large.
 std::optional<SurfacePoint> Surface::moved_in_face(const SurfacePoint& from, Point3 move) const {
-    constexpr double kLeastShare = 1e-6;  // of the squared move that is in the plane of the face
+    constexpr double kMinShare = 1e-6;  // of the squared move that is in the plane of the face
     const Face& face = faces_[from.face];
     if (face.links.flat) return std::nullopt;
     const double all = dot(move, move);
     const Point3 inside = move - dot(move, face.normal) * face.normal;
     const double share = dot(inside, inside) / all;
-    if (!(share > kLeastShare)) return std::nullopt;
+    if (!(share > kMinShare)) return std::nullopt;
     const Point3 turned = 1 / (2 * face.area * std::sqrt(share)) * cross(inside, face.normal);
     SurfacePoint to = from;
-    const auto [a, b, c] = places(from.face);
+    const auto [a, b, c] = positions(from.face);
     to.weights[0] += dot(turned, c - b);
     to.weights[1] += dot(turned, a - c);
     to.weights[2] += dot(turned, b - a);
@@ -326,9 +326,9 @@ std::optional<SurfacePoint> Surface::moved_in_face(const SurfacePoint& from, Poi
 /// Finds where a line leaves its first face. Returns false if the direction is perpendicular to the face.
 bool Surface::begin_walk(Walk& walk, Point3 direction) const {
     // On an edge, rounding could make all corners lie on one side of the line.
-    constexpr double kLeastWeight = 1e-12;
+    constexpr double kMinWeight = 1e-12;
     const auto& [a, b, c] = walk.entry;
-    if (std::min({a, b, c}) < kLeastWeight) walk.entry = inset(walk.entry, kLeastWeight);
+    if (std::min({a, b, c}) < kMinWeight) walk.entry = inset(walk.entry, kMinWeight);
 
     const Point3 u = edge_vector(walk.face, 0);
     const double base = length(u);
@@ -336,7 +336,7 @@ bool Surface::begin_walk(Walk& walk, Point3 direction) const {
     walk.x = dot(direction, x_axis);
     walk.y = dot(direction, cross(faces_[walk.face].normal, x_axis));
     const double in_plane = std::sqrt(walk.x * walk.x + walk.y * walk.y);
-    if (!(in_plane > Walk::kLeastComponent)) return false;
+    if (!(in_plane > Walk::kMinComponent)) return false;
     walk.x /= in_plane;
     walk.y /= in_plane;
 
@@ -365,10 +365,10 @@ bool Surface::begin_walk(Walk& walk, Point3 direction) const {
 
 /// Continues a line in the face beyond its exit, whose first corner is on the left.
 void Surface::cross_edge(Walk& walk) const {
-    constexpr double kLeastLength = 0x1p-37;  // shorter than every edge
-    const double base = std::max(kLeastLength, std::sqrt(walk.edge_x * walk.edge_x + walk.edge_y * walk.edge_y));
+    constexpr double kMinLength = 0x1p-37;  // shorter than every edge
+    const double base = std::max(kMinLength, std::sqrt(walk.edge_x * walk.edge_x + walk.edge_y * walk.edge_y));
     const double x = (walk.x * walk.edge_x + walk.y * walk.edge_y) / base;
-    const double y = std::max(Walk::kLeastComponent, (walk.y * walk.edge_x - walk.x * walk.edge_y) / base);
+    const double y = std::max(Walk::kMinComponent, (walk.y * walk.edge_x - walk.x * walk.edge_y) / base);
     const std::uint32_t edge = twin(4 * walk.face + walk.exit), side = edge % 4;
     walk.face = edge / 4;
     walk.x = x;

@@ -78,7 +78,7 @@ public:
         __builtin_prefetch(&faces_[face].links);
         __builtin_prefetch(&faces_[face].normal);
     }
-    std::array<Point3, 3> places(std::uint32_t face) const {
+    std::array<Point3, 3> positions(std::uint32_t face) const {
         const auto& [a, b, c] = faces_[face].links.corners;
         return {vertices_[a], vertices_[b], vertices_[c]};
     }
@@ -102,7 +102,7 @@ public:
     /// soup. Faces that were turned over have their corners in another order.
     std::array<double, 3> original_weights(const SurfacePoint& point) const;
 
-    Point3 place(const SurfacePoint& point) const;
+    Point3 position(const SurfacePoint& point) const;
     /// Normal interpolated between the normals of the corners; unit length.
     Point3 smooth_normal(const SurfacePoint& point) const;
 

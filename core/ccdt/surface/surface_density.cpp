@@ -19,11 +19,11 @@ namespace {
 /// Returns the cotangents of a face's angles, each opposite to the edge with the same number.
 std::array<double, 3> opposite_cotangents(const Surface& surface, std::uint32_t face) {
     constexpr double kLargest = 1e3;  // of faces almost without area
-    const auto places = surface.places(face);
+    const auto positions = surface.positions(face);
     std::array<double, 3> cotangents{};
     for (std::size_t k = 0; k < 3; ++k) {
-        const Point3 apex = places[(k + 2) % 3];
-        const double product = dot(places[k] - apex, places[(k + 1) % 3] - apex);
+        const Point3 apex = positions[(k + 2) % 3];
+        const double product = dot(positions[k] - apex, positions[(k + 1) % 3] - apex);
         if (surface.area(face) > 0) {
             cotangents[k] = std::clamp(product / (2 * surface.area(face)), -kLargest, kLargest);
         }
@@ -155,7 +155,7 @@ std::vector<std::uint32_t> choose_sides(const Surface& surface, const TriangleSo
         for (std::uint32_t f = 0; f < sides.size(); ++f) {
             if (soup.has_picture(surface.triangle_of(f)))
                 sides[f] = static_cast<std::uint32_t>(
-                    std::clamp(std::ceil(longest_side(surface.places(f)) / piece), 1.0, kMaxSide));
+                    std::clamp(std::ceil(longest_side(surface.positions(f)) / piece), 1.0, kMaxSide));
             total += static_cast<double>(sides[f]) * sides[f];
         }
         if (!(total > most)) return sides;
@@ -164,13 +164,13 @@ std::vector<std::uint32_t> choose_sides(const Surface& surface, const TriangleSo
 
 /// Returns the number of samples along each side of a piece: about the number of texels, limited to 2 to 4.
 std::uint32_t samples_per_side(const TriangleSoup& soup, std::uint32_t triangle, std::uint32_t side) {
-    constexpr double kFewest = 2, kMost = 4;
-    const auto place = [&](const std::array<double, 3>& weights) {
+    constexpr double kMin = 2, kMax = 4;
+    const auto position = [&](const std::array<double, 3>& weights) {
         const auto [x, y] = soup.texel_at(triangle, weights);
         return Point3{x, y, 0};
     };
-    const double texels = longest_side({place({1, 0, 0}), place({0, 1, 0}), place({0, 0, 1})});
-    return static_cast<std::uint32_t>(std::max(kFewest, std::min(std::ceil(texels / side), kMost)));
+    const double texels = longest_side({position({1, 0, 0}), position({0, 1, 0}), position({0, 0, 1})});
+    return static_cast<std::uint32_t>(std::max(kMin, std::min(std::ceil(texels / side), kMax)));
 }
 
 }  // namespace
@@ -295,8 +295,8 @@ SurfaceDensity SurfaceDensity::of_curvature(const Surface& surface, double spaci
         for (const std::uint32_t v : corners) bending[v] += sum / 3;
     }
     const double mean = total / surface.total_area();
-    constexpr double kLeastMean = 1e-12;  // less is due to rounding: a radius of 1e6
-    if (mean < kLeastMean) return uniform();
+    constexpr double kMinMean = 1e-12;  // less is due to rounding: a radius of 1e6
+    if (mean < kMinMean) return uniform();
     SurfaceDensity density;
     density.values_.assign(3 * surface.face_count(), 1);
     for (std::uint32_t f = 0; f < surface.face_count(); ++f) {

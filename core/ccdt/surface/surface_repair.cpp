@@ -430,18 +430,18 @@ double Connector::volume(const Component& component) const {
 
 /// Removes flat faces whose longest edge is on a border, because they connect nothing.
 void Connector::remove_flat_borders() {
-    std::vector<std::uint32_t> left;
+    std::vector<std::uint32_t> remaining;
     for (std::size_t f = 0; f < result_.faces.size(); ++f) {
-        left.assign(1, static_cast<std::uint32_t>(f));
-        while (!left.empty()) {
-            const std::uint32_t at = left.back();
-            left.pop_back();
+        remaining.assign(1, static_cast<std::uint32_t>(f));
+        while (!remaining.empty()) {
+            const std::uint32_t at = remaining.back();
+            remaining.pop_back();
             Face& face = result_.faces[at];
             if (!face.flat || is_removed(at) || face.twins[longest_side(face)] != kNone) continue;
             remove(at, flat_);
             for (std::uint32_t& other : face.twins) {
                 if (other == kNone) continue;
-                left.push_back(other / 4);
+                remaining.push_back(other / 4);
                 twin(std::exchange(other, kNone)) = kNone;
             }
         }

@@ -20,7 +20,7 @@ namespace {
 using Links = TriangleLinks;
 constexpr std::uint32_t kNone = Links::kNone;
 
-constexpr std::size_t kMostFlips = 200;  ///< flips after a vertex was removed or inserted
+constexpr std::size_t kMaxFlipsAround = 200;  ///< flips after a vertex was removed or inserted
 
 /// Inserts sites into the triangulations of single faces, in coordinates of the face's plane.
 class FaceInsertion {
@@ -199,7 +199,7 @@ void SurfaceTriangulation::copy_faces() {
 
 /// Appends the position of a point and the normals of the surface there.
 void SurfaceTriangulation::locate(const SurfacePoint& point) {
-    places_.push_back(surface_->place(point));
+    positions_.push_back(surface_->position(point));
     normals_.push_back(surface_->smooth_normal(point));
     face_normals_.push_back(surface_->normal(point.face));
     moved_.push_back(1);
@@ -281,10 +281,10 @@ void SurfaceTriangulation::insert_sites(std::vector<std::uint32_t> face_of, cons
     FaceInsertion insertion(links_, std::move(face_of), flat);
     for (std::size_t begin = 0, end = 0; begin < order.size() && !stop.stop_requested(); begin = end) {
         const std::uint32_t face = points_[order[begin]].face;
-        const FacePlane plane(surface_->places(face));
-        insertion.begin(face, [&](std::uint32_t vertex) { return plane(places_[vertex]); });
+        const FacePlane plane(surface_->positions(face));
+        insertion.begin(face, [&](std::uint32_t vertex) { return plane(positions_[vertex]); });
         for (end = begin; end < order.size() && points_[order[end]].face == face; ++end)
-            flat[order[end]] = plane(places_[order[end]]);
+            flat[order[end]] = plane(positions_[order[end]]);
         std::uint32_t last = face;
         for_insertion_steps(end - begin, [&](std::span<const std::uint32_t> step) {
             for (const std::uint32_t i : step) last = insertion.insert(order[begin + i], last);
@@ -294,7 +294,7 @@ void SurfaceTriangulation::insert_sites(std::vector<std::uint32_t> face_of, cons
 }
 
 std::size_t SurfaceTriangulation::restore_delaunay(const std::stop_token& stop) {
-    constexpr std::size_t kMostPerEdge = 10;
+    constexpr std::size_t kMaxPerEdge = 10;
     constexpr std::size_t kTriangles = 1024;  // per task
     const auto is_moved = [&](std::uint32_t v) { return moved_[v] != 0; };
     std::vector<std::vector<std::uint32_t>> found(links_.triangle_count() / kTriangles + 1);
@@ -309,7 +309,7 @@ std::size_t SurfaceTriangulation::restore_delaunay(const std::stop_token& stop) 
         }
     });
     for (const auto& edges : found) stack_.insert(stack_.end(), edges.begin(), edges.end());
-    const std::size_t most = kMostPerEdge * links_.triangle_count(), flips = legalise(most, stop);
+    const std::size_t most = kMaxPerEdge * links_.triangle_count(), flips = legalise(most, stop);
     if (flips < most && !stop.stop_requested()) std::ranges::fill(moved_, std::uint8_t{0});
     return flips;
 }
@@ -340,7 +340,7 @@ std::size_t SurfaceTriangulation::legalise(std::size_t most, const std::stop_tok
 double SurfaceTriangulation::squared_length(std::uint32_t a, std::uint32_t b) const {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const auto [from, to] = std::minmax(a, b);
-    const Point3 straight = places_[to] - places_[from];
+    const Point3 straight = positions_[to] - positions_[from];
     if (!is_sharp_between(from, to)) return dot(straight, straight);
     const auto flat = unfolded(*surface_, points_[from], straight, points_[to].face, kInfinity);
     return flat ? dot(*flat, *flat) : kInfinity;
@@ -361,8 +361,8 @@ bool SurfaceTriangulation::wants_flip(std::uint32_t edge) const {
             if (std::isfinite(std::min(now, after))) return after < (1 - kTolerance) * now;
         }
     }
-    const Point3 ca = places_[a] - places_[c], cb = places_[b] - places_[c];
-    const Point3 da = places_[a] - places_[d], db = places_[b] - places_[d];
+    const Point3 ca = positions_[a] - positions_[c], cb = positions_[b] - positions_[c];
+    const Point3 da = positions_[a] - positions_[d], db = positions_[b] - positions_[d];
     const double cos_c = dot(ca, cb), cos_d = dot(da, db);
     if (cos_c >= 0 && cos_d >= 0) return false;
     const double sin_c = length(cross(ca, cb)), sin_d = length(cross(da, db));
@@ -432,7 +432,7 @@ bool SurfaceTriangulation::remove(std::uint32_t vertex, double agreement) {
         stack_.insert(stack_.end(), {h, Links::next(h), Links::previous(h)});
         for (const std::uint32_t corner : corners(h / 4)) moved_[corner] = 1;
     }
-    legalise(kMostFlips);
+    legalise(kMaxFlipsAround);
     return true;
 }
 
@@ -449,7 +449,7 @@ bool SurfaceTriangulation::can_collapse(std::uint32_t edge, double agreement) co
         // On a border, the last neighbour has no half-edge from a.
         if (y != b && links_.twin(Links::previous(h)) == kNone && links_.are_joined(b, y)) ++common;
         if (x == b || y == b) return;
-        const Point3 normal = cross(places_[x] - places_[b], places_[y] - places_[b]);
+        const Point3 normal = cross(positions_[x] - positions_[b], positions_[y] - positions_[b]);
         const Point3 up = normals_[b] + normals_[x] + normals_[y];
         sound = sound && dot(normal, up) > agreement * length(normal) * length(up);
     });
@@ -473,13 +473,13 @@ void SurfaceTriangulation::renumber() {
     for (std::uint32_t v = 0; v < points_.size(); ++v) {
         if (!is_site(v) && links_.edge_of(v) == kNone) continue;
         points_[count] = points_[v];
-        places_[count] = places_[v];
+        positions_[count] = positions_[v];
         normals_[count] = normals_[v];
         face_normals_[count] = face_normals_[v];
         number_of[v] = count++;
     }
     points_.resize(count);
-    places_.resize(count);
+    positions_.resize(count);
     normals_.resize(count);
     face_normals_.resize(count);
     moved_.assign(count, 1);
@@ -488,28 +488,28 @@ void SurfaceTriangulation::renumber() {
 
 void SurfaceTriangulation::move(std::uint32_t vertex, Point3 by) {
     constexpr int kAttempts = 4;
-    constexpr double kLeastArea = 0.05;  // share of a triangle's area that a move must leave
-    const Point3 before = places_[vertex];
+    constexpr double kMinArea = 0.05;  // share of a triangle's area that a move must leave
+    const Point3 before = positions_[vertex];
     if (by == Point3{} || links_.edge_of(vertex) == kNone) return;
     for (int attempt = 0; attempt < kAttempts; ++attempt, by = 0.5 * by) {
         const SurfacePoint to = surface_->trace(points_[vertex], by);
-        const Point3 place = surface_->place(to), up = surface_->smooth_normal(to);
+        const Point3 position = surface_->position(to), up = surface_->smooth_normal(to);
         bool sound = true;
         std::uint32_t a = links_.target(links_.edge_of(vertex));
-        Point3 old_side = places_[a] - before, new_side = places_[a] - place;
+        Point3 old_side = positions_[a] - before, new_side = positions_[a] - position;
         links_.for_edges(vertex, [&](std::uint32_t h) {
             const std::uint32_t first = std::exchange(a, links_.apex(h));
-            const Point3 x = std::exchange(old_side, places_[a] - before);
-            const Point3 u = std::exchange(new_side, places_[a] - place);
+            const Point3 x = std::exchange(old_side, positions_[a] - before);
+            const Point3 u = std::exchange(new_side, positions_[a] - position);
             const Point3 old = cross(x, old_side), now = cross(u, new_side);
-            sound = sound && dot(now, old) >= kLeastArea * dot(old, old);
+            sound = sound && dot(now, old) >= kMinArea * dot(old, old);
             if (!sound || dot(now, up) > 0) return;
             const Point3 others = normals_[first] + normals_[a];
             sound = dot(now, up + others) >= std::min(0.0, dot(old, normals_[vertex] + others));
         });
         if (!sound) continue;
         points_[vertex] = to;
-        places_[vertex] = place;
+        positions_[vertex] = position;
         normals_[vertex] = up;
         face_normals_[vertex] = surface_->normal(to.face);
         moved_[vertex] = 1;
@@ -522,10 +522,10 @@ void SurfaceTriangulation::move(std::uint32_t vertex, Point3 by) {
 std::optional<SurfacePoint> SurfaceTriangulation::middle(std::uint32_t triangle) const {
     constexpr double kMaxTilt = 0.9;     // least cosine of the angle between the triangle and the surface
     constexpr double kMaxOffset = 0.15;  // distance from the surface, relative to the root of the doubled area
-    const auto [a, b, c] = places(triangle);
+    const auto [a, b, c] = positions(triangle);
     const Point3 along = 1.0 / 3 * (b - a + c - a), normal = doubled_normal(triangle);
     const SurfacePoint point = surface_->trace(points_[corners(triangle)[0]], along);
-    const Point3 p = surface_->place(point), off = p - a - along;
+    const Point3 p = surface_->position(point), off = p - a - along;
     const double area = length(normal), least = area * area / 10;  // each part has at least a tenth of the area
     const bool fits = dot(cross(a - p, b - p), normal) > least && dot(cross(b - p, c - p), normal) > least &&
                       dot(cross(c - p, a - p), normal) > least;
@@ -549,13 +549,13 @@ bool SurfaceTriangulation::relocate(std::uint32_t site, std::span<const std::uin
     std::uint32_t triangle = *found;
     if (links_.is_removed(triangle) || corners(triangle) != around) triangle = triangle_of(links_.edge_of(around[0]));
     points_[site] = point;
-    places_[site] = surface_->place(point);
+    positions_[site] = surface_->position(point);
     normals_[site] = surface_->smooth_normal(point);
     face_normals_[site] = surface_->normal(point.face);
     moved_[site] = 1;
     links_.divide(site, triangle);
     for_edges(site, [&](std::uint32_t h) { stack_.push_back(Links::next(h)); });
-    legalise(kMostFlips);
+    legalise(kMaxFlipsAround);
     return true;
 }
 

@@ -50,7 +50,7 @@ public:
 
     std::size_t site_count() const { return sites_; }
     std::size_t free_count() const { return blocks_.sites(); }
-    std::size_t vertex_count() const { return places_.size(); }
+    std::size_t vertex_count() const { return positions_.size(); }
     std::size_t triangle_count() const { return links_.triangle_count(); }
     bool is_site(std::uint32_t vertex) const { return vertex < sites_; }
     /// Whether the surface has sharp edges.
@@ -73,13 +73,13 @@ public:
         links_.for_edges(vertex, function);
     }
 
-    Point3 point(std::uint32_t vertex) const { return places_[vertex]; }
+    Point3 point(std::uint32_t vertex) const { return positions_[vertex]; }
     /// Normal of the face on which a vertex lies.
     Point3 face_normal(std::uint32_t vertex) const { return face_normals_[vertex]; }
     /// Returns the vector from one vertex to another; the unfolded vector if there is a sharp edge between two sites.
     /// Other vertices lie on borders and creases, so straight lines to them stay on the surface.
     Point3 toward(std::uint32_t from, std::uint32_t to) const {
-        const Point3 straight = places_[to] - places_[from];
+        const Point3 straight = positions_[to] - positions_[from];
         if (!is_sharp_between(from, to)) return straight;
         return unfolded_toward(points_[from], straight, to).value_or(straight);
     }
@@ -94,11 +94,11 @@ public:
     }
     const SurfacePoint& on_surface(std::uint32_t vertex) const { return points_[vertex]; }
 
-    std::array<Point3, 3> places(std::uint32_t triangle) const {
+    std::array<Point3, 3> positions(std::uint32_t triangle) const {
         const auto& [a, b, c] = corners(triangle);
-        return {places_[a], places_[b], places_[c]};
+        return {positions_[a], positions_[b], positions_[c]};
     }
-    Point3 along(std::uint32_t edge) const { return places_[target(edge)] - places_[origin(edge)]; }
+    Point3 along(std::uint32_t edge) const { return positions_[target(edge)] - positions_[origin(edge)]; }
     /// Vector perpendicular to the edge, of the same length, that points into the edge's triangle in its plane; 0 if
     /// the triangle has no area.
     Point3 inward(std::uint32_t edge) const {
@@ -108,7 +108,7 @@ public:
     }
     /// Normal of a triangle, with the length of its doubled area.
     Point3 doubled_normal(std::uint32_t triangle) const {
-        const auto [a, b, c] = places(triangle);
+        const auto [a, b, c] = positions(triangle);
         return cross(b - a, c - a);
     }
     /// Doubled area of the unfolded triangle.
@@ -158,7 +158,7 @@ private:
     SiteBlocks blocks_;  ///< blocks of the free sites
     TriangleLinks links_;
     std::vector<SurfacePoint> points_;  ///< [vertices]
-    std::vector<Point3> places_;        ///< [vertices]
+    std::vector<Point3> positions_;     ///< [vertices]
     std::vector<Point3> normals_;       ///< [vertices] smooth normals of the surface
     std::vector<Point3> face_normals_;  ///< [vertices] normals of the faces under the vertices
     std::vector<double> reaches_;       ///< [sites] longest unfolded vectors; empty if no edge of the surface is sharp

@@ -13,21 +13,21 @@ bool has_sharp_edges(const Surface& surface) {
 
 std::optional<Point3> unfolded(const Surface& surface, const SurfacePoint& from, Point3 straight, std::uint32_t face,
                                double longest) {
-    constexpr double kLeastSquaredSine = 1e-12;  // thinner wedges consist of rounding errors
-    constexpr int kMostEdges = 16;               // limits the time where faces are much smaller than the spacing
-    constexpr double kMaxOffset = 0.2;           // of the end of the line, relative to its length
+    constexpr double kMinSquaredSine = 1e-12;  // thinner wedges consist of rounding errors
+    constexpr int kMaxEdges = 16;              // limits the time where faces are much smaller than the spacing
+    constexpr double kMaxOffset = 0.2;         // of the end of the line, relative to its length
     const Point3 first = surface.normal(from.face), second = surface.normal(face);
     const double cosine = dot(first, second), squared_sine = 1 - cosine * cosine;
     // Distances of the points from the plane of the other point, times the sign of the fold, which is convex or
     // concave.
     const double before = dot(straight, second), after = -dot(straight, first);
-    if (squared_sine < kLeastSquaredSine || before * after < 0) return std::nullopt;
+    if (squared_sine < kMinSquaredSine || before * after < 0) return std::nullopt;
     const Point3 line = cross(first, second);
     const Point3 flat = 1 / squared_sine * (dot(straight, line) * line + (before + after) * (second - cosine * first));
     if (dot(flat, flat) > longest * longest) return std::nullopt;
-    const auto end = surface.trace_within(from, flat, kMostEdges);
+    const auto end = surface.trace_within(from, flat, kMaxEdges);
     if (!end) return flat;
-    const Point3 off = surface.place(*end) - surface.place(from) - straight;
+    const Point3 off = surface.position(*end) - surface.position(from) - straight;
     if (dot(off, off) > kMaxOffset * kMaxOffset * dot(flat, flat)) return std::nullopt;
     return flat;
 }

@@ -15,21 +15,21 @@ namespace ccdt {
 namespace {
 
 /// Largest number of sites in a block. Larger blocks have smaller rims, but need more memory.
-constexpr std::size_t kMostSites = 10000;
+constexpr std::size_t kMaxSites = 10000;
 /// Largest number of copies of these sites, which only thin domains exceed. Their blocks have fewer sites.
-constexpr std::size_t kMostCopies = 2 * kMostSites;
-constexpr std::size_t kFewestBlocks = 2;  ///< allows two threads to share the work if there are few sites
+constexpr std::size_t kMaxCopies = 2 * kMaxSites;
+constexpr std::size_t kMinBlocks = 2;  ///< allows two threads to share the work if there are few sites
 /// Share of the sites on the lower side of the first planes in odd calls, whose blocks thus have other borders.
 constexpr double kOddShare = 0.4;
 constexpr int kOddPlanes = 3;
 /// Width of the rim around a block whose sites are triangulated with it, in spacings. Almost all tetrahedra with a
 /// corner in the block are those of the complete triangulation.
 constexpr double kRim = 1.75;
-constexpr double kSpring = 0.01;      ///< stiffness of edges relative to the stiffness of volumes
-constexpr double kRelaxation = 1.2;   ///< length of a move relative to the move to the minimum
-constexpr double kMaxMove = 0.4;      ///< longest move, in spacings
-constexpr double kLeastVolume = 0.1;  ///< share of its volume that a tetrahedron keeps in a move
-constexpr double kOffset = 1e-9;      ///< largest offset of copies, in the unit frame
+constexpr double kSpring = 0.01;     ///< stiffness of edges relative to the stiffness of volumes
+constexpr double kRelaxation = 1.2;  ///< length of a move relative to the move to the minimum
+constexpr double kMaxMove = 0.4;     ///< longest move, in spacings
+constexpr double kMinVolume = 0.1;   ///< share of its volume that a tetrahedron keeps in a move
+constexpr double kOffset = 1e-9;     ///< largest offset of copies, in the unit frame
 
 /// The face of a tetrahedron that is opposite to a site. The site is on the left of the face, as the last corner of a
 /// Tetrahedron is on the left of the first three.
@@ -118,7 +118,7 @@ double BlockRelaxation<Domain>::relax(std::span<Point3> sites, std::size_t free,
     return std::sqrt(std::max(0.0, all.second / all.count - mean * mean)) / mean;
 }
 
-/// Divides the domain into blocks of up to kMostSites sites with about kMostCopies copies.
+/// Divides the domain into blocks of up to kMaxSites sites with about kMaxCopies copies.
 template <class Domain>
 std::vector<typename BlockRelaxation<Domain>::Block> BlockRelaxation<Domain>::divide(
     std::span<const Point3> sites) const {
@@ -132,8 +132,8 @@ std::vector<typename BlockRelaxation<Domain>::Block> BlockRelaxation<Domain>::di
         });
     }
     std::vector<Block> blocks;
-    const std::size_t most = std::min({kMostSites, (sites.size() + kFewestBlocks - 1) / kFewestBlocks,
-                                       kMostCopies * sites.size() / std::max<std::size_t>(1, all.near.size())});
+    const std::size_t most = std::min({kMaxSites, (sites.size() + kMinBlocks - 1) / kMinBlocks,
+                                       kMaxCopies * sites.size() / std::max<std::size_t>(1, all.near.size())});
     divide(std::move(all), sites, most, calls_ % 2 == 1 ? kOddPlanes : 0, blocks);
     return blocks;
 }
@@ -168,7 +168,7 @@ void BlockRelaxation<Domain>::divide(Block block, std::span<const Point3> sites,
         if (std::abs(above) < reach) (above < 0 ? high : low).near.push_back({sites[i], reach});
     }
     for (const Neighbour& near : block.near) {
-        const double above = along(near.place, axis) - plane;
+        const double above = along(near.position, axis) - plane;
         if (above < near.reach) low.near.push_back(near);
         if (above > -near.reach) high.near.push_back(near);
     }
@@ -186,21 +186,22 @@ typename BlockRelaxation<Domain>::Sums BlockRelaxation<Domain>::relax_block(cons
     const std::size_t own = block.own.size();
     Sums sums;
     if (own == 0 || stop.stop_requested()) return sums;
-    std::vector<Point3> places;
-    places.reserve(own + block.near.size());
-    for (const std::uint32_t i : block.own) places.push_back(sites[i]);
+    std::vector<Point3> positions;
+    positions.reserve(own + block.near.size());
+    for (const std::uint32_t i : block.own) positions.push_back(sites[i]);
     // In a box, two sites and their mirror images at one face lie on a circle. Tiny offsets of the copies avoid the
     // exact arithmetic that such cases need.
     for (const Neighbour& near : block.near) {
-        Random random(0, places.size());
+        Random random(0, positions.size());
         const double offset = kOffset * random.uniform();
-        places.push_back(domain_.periodic ? near.place : near.place + Point3{offset, -offset, 2 * offset});
+        positions.push_back(domain_.periodic ? near.position : near.position + Point3{offset, -offset, 2 * offset});
     }
-    Fans fans = fans_of(delaunay_tetrahedra(places, stop), own);
+    Fans fans = fans_of(delaunay_tetrahedra(positions, stop), own);
     if (stop.stop_requested() || fans.faces.empty()) return sums;
     const auto capacity_of = [&](std::size_t site, std::size_t k) {
         const auto& [a, b, c] = fans.faces[k];
-        const double volume = dot(cross(places[b] - places[a], places[c] - places[a]), places[site] - places[a]) / 6;
+        const double volume =
+            dot(cross(positions[b] - positions[a], positions[c] - positions[a]), positions[site] - positions[a]) / 6;
         return fans.weights.empty() ? volume : fans.weights[k] * volume;
     };
     if (!density_.is_uniform()) {
@@ -209,9 +210,9 @@ typename BlockRelaxation<Domain>::Sums BlockRelaxation<Domain>::relax_block(cons
         for (std::size_t site = 0; site < own; ++site) {
             for (std::size_t k = fans.begins[site]; k < fans.begins[site + 1]; ++k) {
                 const auto& [a, b, c] = fans.faces[k];
-                const Point3 middle = 0.25 * (places[a] + places[b] + places[c] + places[site]);
+                const Point3 middle = 0.25 * (positions[a] + positions[b] + positions[c] + positions[site]);
                 double sum = 0;
-                for (const Point3 corner : {places[a], places[b], places[c], places[site], middle}) {
+                for (const Point3 corner : {positions[a], positions[b], positions[c], positions[site], middle}) {
                     const Point3 p = domain_.in_box(0.5 * (corner + middle));
                     sum += density_.at({p.x / sides.x, p.y / sides.y, p.z / sides.z});
                 }
@@ -235,7 +236,7 @@ typename BlockRelaxation<Domain>::Sums BlockRelaxation<Domain>::relax_block(cons
     for (int pass = 0; pass < passes && !stop.stop_requested(); ++pass) {
         for (std::uint32_t site = 0; site < own; ++site) {
             if (block.own[site] >= free) continue;
-            const Point3 place = places[site];
+            const Point3 position = positions[site];
             const std::size_t begin = fans.begins[site], count = fans.begins[site + 1] - begin;
             if (count == 0) continue;
             gradients.resize(count);
@@ -245,7 +246,8 @@ typename BlockRelaxation<Domain>::Sums BlockRelaxation<Domain>::relax_block(cons
             double mean_weight = 0;
             for (std::size_t k = 0; k < count; ++k) {
                 const auto& [a, b, c] = fans.faces[begin + k];
-                const Point3 to_a = places[a] - place, to_b = places[b] - place, to_c = places[c] - place;
+                const Point3 to_a = positions[a] - position, to_b = positions[b] - position,
+                             to_c = positions[c] - position;
                 const double weight = fans.weights.empty() ? 1 : fans.weights[begin + k];
                 gradients[k] = (weight / 6) * cross(to_b - to_a, to_c - to_a);
                 capacities[k] = -dot(gradients[k], to_a);
@@ -259,19 +261,19 @@ typename BlockRelaxation<Domain>::Sums BlockRelaxation<Domain>::relax_block(cons
             const double local = fans.weights.empty() ? 1 : std::pow(mean_weight / faces, 2.0 / 3);
             equations.add_spring(local * stiffness, 1 / (3 * faces) * middle);
             Point3 move = kRelaxation * equations.solve();
-            const double size = length(move), longest = kMaxMove * spacing_.side(domain_.in_box(place));
+            const double size = length(move), longest = kMaxMove * spacing_.side(domain_.in_box(position));
             if (size > longest) move = longest / size * move;
             double share = 1;
             for (std::size_t k = 0; k < count; ++k) {
-                const double change = dot(gradients[k], move), least = (kLeastVolume - 1) * capacities[k];
+                const double change = dot(gradients[k], move), least = (kMinVolume - 1) * capacities[k];
                 if (change * share < least) share = least / change;
             }
-            places[site] = place + share * move;
+            positions[site] = position + share * move;
         }
     }
     for (std::size_t site = 0; site < own; ++site) {
         const std::uint32_t i = block.own[site];
-        if (i < free) moved[i] = domain_.moved(sites[i], places[site]);
+        if (i < free) moved[i] = domain_.moved(sites[i], positions[site]);
     }
     return sums;
 }

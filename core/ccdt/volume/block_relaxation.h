@@ -46,7 +46,7 @@ public:
 private:
     /// A site or a copy near a block.
     struct Neighbour {
-        Point3 place;
+        Point3 position;
         float reach;  ///< it is near all blocks that are at most this far away along each axis
     };
     struct Block {

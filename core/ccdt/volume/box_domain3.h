@@ -38,8 +38,8 @@ struct BoxDomain3 {
     /// omits copies that are more than 30 sides away, which only thin domains have within the usual distances.
     template <class Function>
     void for_copies(Point3 p, double distance, Function&& function) const {
-        constexpr double kMostSides = 30;
-        const auto limited = [&](double side) { return std::min(distance, kMostSides * side); };
+        constexpr double kMaxSides = 30;
+        const auto limited = [&](double side) { return std::min(distance, kMaxSides * side); };
         const Point3 margin{limited(sides.x), limited(sides.y), limited(sides.z)};
         for_copies(p, {Point3{} - margin, sides + margin}, function);
     }

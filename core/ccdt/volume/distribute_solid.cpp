@@ -16,7 +16,7 @@ namespace ccdt {
 namespace {
 
 // Numbers of cells of the grid by which the solid is measured.
-constexpr double kCellsPerSite = 8, kFewestCells = 1 << 17;
+constexpr double kCellsPerSite = 8, kMinCells = 1 << 17;
 
 /// Returns the mean density in each cell of a grid, relative to the mean over the bounding box. The density outside the
 /// solid counts as 0.
@@ -62,7 +62,7 @@ Result<VolumeDistribution> distribute_in_solid(const Solid& solid, const VoxelDe
         fixed.push_back(surface.from_input(options.fixed[i]));
     }
     const auto points = static_cast<double>(options.sites + fixed.size());
-    auto inside = measure(solid, density, std::max(kFewestCells, kCellsPerSite * points), control.stop);
+    auto inside = measure(solid, density, std::max(kMinCells, kCellsPerSite * points), control.stop);
     if (!inside) return tl::unexpected(inside.error());
     auto result = construct_volume(inside->domain, density, std::move(inside->density), options, fixed, control);
     if (!result) return result;

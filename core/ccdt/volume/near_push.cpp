@@ -36,7 +36,7 @@ template <class Domain>
 double push_apart(const Domain& domain, const VolumeSpacing& spacing, std::span<Point3> sites, std::size_t free,
                   double reach, double share, Executor& executor, const std::stop_token& stop) {
     struct Copy {
-        Point3 place;
+        Point3 position;
         std::uint32_t site;
     };
     const double ratio = spacing.is_uniform() ? 1 : VolumeSpacing::kMaxRatio;
@@ -44,9 +44,9 @@ double push_apart(const Domain& domain, const VolumeSpacing& spacing, std::span<
     for_ranges(executor, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) reaches[i] = reach * spacing.densest(sites[i]);
     });
-    std::vector<std::uint32_t> numbers(sites.size());  // [places] site of each place
+    std::vector<std::uint32_t> numbers(sites.size());  // [positions] site of each place
     std::iota(numbers.begin(), numbers.end(), 0U);
-    const auto list_places = [&] {
+    const auto list_positions = [&] {
         std::vector<std::vector<Copy>> copies(sites.size() / kSites + 1);
         for_ranges(executor, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end && !stop.stop_requested(); ++i) {
@@ -55,16 +55,16 @@ double push_apart(const Domain& domain, const VolumeSpacing& spacing, std::span<
                 });
             }
         });
-        std::vector<Point3> places(sites.begin(), sites.end());
+        std::vector<Point3> positions(sites.begin(), sites.end());
         for (const auto& list : copies) {
-            for (const auto& [place, site] : list) {
-                places.push_back(place);
+            for (const auto& [position, site] : list) {
+                positions.push_back(position);
                 numbers.push_back(site);
             }
         }
-        return CellList3(places);
+        return CellList3(positions);
     };
-    const CellList3 cells = list_places();
+    const CellList3 cells = list_positions();
     std::vector<Point3> moved(free);
     std::vector<double> least(free / kSites + 1, 1);
     for_ranges(executor, free, kSites, [&](std::size_t begin, std::size_t end) {

@@ -14,7 +14,7 @@ namespace ccdt {
 namespace {
 
 constexpr double kMeasureCells = 1 << 18;  ///< cells by which the volume is measured
-constexpr double kLeastVolume = 1e-15;     ///< least volume of a solid, in the unit frame
+constexpr double kMinVolume = 1e-15;       ///< least volume of a solid, in the unit frame
 
 /// Returns twice the area of a triangle projected along x; positive if its normal has the direction of x.
 double projected_area(Point3 a, Point3 b, Point3 c) {
@@ -86,12 +86,12 @@ void for_pieces(const Polygon3& polygon, std::size_t axis, std::size_t cells, Vi
 
 Result<Solid> Solid::create(Surface surface, const std::stop_token& stop) {
     for (std::uint32_t face = 0; face < surface.face_count() && !stop.stop_requested(); ++face) {
-        const auto places = surface.places(face);
+        const auto positions = surface.positions(face);
         for (std::uint32_t side = 0; side < 3; ++side) {
             if (surface.twin(4 * face + side) != Surface::kNone) continue;
             return failure(ErrorCode::Unusable, "the surface is open: only one triangle has the edge from " +
-                                                    text(surface.to_input(places[side])) + " to " +
-                                                    text(surface.to_input(places[(side + 1) % 3])));
+                                                    text(surface.to_input(positions[side])) + " to " +
+                                                    text(surface.to_input(positions[(side + 1) % 3])));
         }
     }
     Solid solid(std::move(surface), stop);
@@ -99,7 +99,7 @@ Result<Solid> Solid::create(Surface surface, const std::stop_token& stop) {
     if (stop.stop_requested()) return failure(ErrorCode::Stopped, "stopped before there was a result");
     const Point3 sides = solid.sides_;
     solid.volume_ = coverage.sum() / static_cast<double>(coverage.shares.size()) * (sides.x * sides.y * sides.z);
-    if (!(solid.volume_ > kLeastVolume) || !solid.find_interior())
+    if (!(solid.volume_ > kMinVolume) || !solid.find_interior())
         return failure(ErrorCode::Unusable, "the surface encloses no volume");
     return solid;
 }
@@ -150,10 +150,10 @@ void Solid::orient_shells(const std::stop_token& stop) {
 template <class Function>
 void Solid::for_crossings(Point3 p, Function&& function) const {
     surface_.tree().for_faces_on_ray(p, [&](std::uint32_t face) {
-        const auto places = surface_.places(face);
-        const auto& [a, b, c] = places;
+        const auto positions = surface_.positions(face);
+        const auto& [a, b, c] = positions;
         const int turns = edge_winding(a, b, p) + edge_winding(b, c, p) + edge_winding(c, a, p);
-        if (turns != 0) function(crossing(places, p), inverted_[face] ? -turns : turns);
+        if (turns != 0) function(crossing(positions, p), inverted_[face] ? -turns : turns);
     });
 }
 
@@ -170,7 +170,7 @@ bool Solid::find_interior() {
     Point3 middle;
     double widest = 0;
     for (std::uint32_t face = 0; face < surface_.face_count(); ++face) {
-        const auto [a, b, c] = surface_.places(face);
+        const auto [a, b, c] = surface_.positions(face);
         const double width = std::abs(projected_area(a, b, c));
         if (width <= widest) continue;
         widest = width;
@@ -216,7 +216,7 @@ Solid::Coverage Solid::coverage(double count, const std::stop_token& stop) const
     Polygon3 polygon;
     for (std::uint32_t face = 0; face < surface_.face_count() && !stop.stop_requested(); ++face) {
         polygon.clear();
-        for (const Point3 p : surface_.places(face))
+        for (const Point3 p : surface_.positions(face))
             polygon.push_back({p.x * per_length.x, p.y * per_length.y, p.z * per_length.z});
         const double sign = inverted_[face] ? -0.5 : 0.5;
         for_pieces(polygon, 2, layers, [&, rows = rows, columns = columns](const Polygon3& slice, std::size_t z) {

@@ -78,7 +78,7 @@ std::optional<Point3> SolidDomain::foot_within(Point3 p, double distance) const 
     if (clearance > distance) return std::nullopt;
     const auto near = surface().nearest_within(p, distance);
     if (!near) return std::nullopt;
-    return surface().place(*near);
+    return surface().position(*near);
 }
 
 bool SolidDomain::contains(Point3 p) const {

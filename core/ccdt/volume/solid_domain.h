@@ -43,7 +43,7 @@ public:
 
     const Surface& surface() const { return solid_->surface(); }
     /// Returns the nearest point of the surface.
-    Point3 foot(Point3 p) const { return surface().place(surface().nearest(p)); }
+    Point3 foot(Point3 p) const { return surface().position(surface().nearest(p)); }
     /// Returns the same point if its distance from p is less than `distance`; otherwise none. Faster.
     std::optional<Point3> foot_within(Point3 p, double distance) const;
 

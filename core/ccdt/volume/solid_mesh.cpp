@@ -23,33 +23,33 @@ constexpr double kFlattest = 0.05;
 std::vector<Point3> surface_vertices(const SolidDomain& domain, const VolumeSpacing& spacing,
                                      std::span<const Point3> points, std::size_t& creases) {
     const Surface& surface = domain.surface();
-    std::vector<Point3> places;
+    std::vector<Point3> positions;
     std::vector<double> spacings;
     for (std::uint32_t v = 0; v < surface.vertex_count(); ++v)
         spacings.push_back(spacing.side(domain.in_box(surface.vertex(v))));
     const CreaseVertices chosen = choose_crease_vertices(surface, spacings, points.size());
     for (std::uint32_t v = 0; v < surface.vertex_count(); ++v) {
-        if (chosen.corner[v] != 0) places.push_back(surface.vertex(v));
+        if (chosen.corner[v] != 0) positions.push_back(surface.vertex(v));
     }
     for (const auto& [edge, share] : chosen.added) {
-        const auto corners = surface.places(edge / 4);
-        places.push_back((1 - share) * corners[edge % 4] + share * corners[(edge % 4 + 1) % 3]);
+        const auto corners = surface.positions(edge / 4);
+        positions.push_back((1 - share) * corners[edge % 4] + share * corners[(edge % 4 + 1) % 3]);
     }
-    creases = places.size();
+    creases = positions.size();
     for (const Point3 p : points) {
-        if (const auto foot = domain.foot_within(p, kFirstLayer * spacing.side(p))) places.push_back(*foot);
+        if (const auto foot = domain.foot_within(p, kFirstLayer * spacing.side(p))) positions.push_back(*foot);
     }
-    if (places.empty()) return places;
+    if (positions.empty()) return positions;
     // Feet that are close to an earlier vertex are left out.
-    const CellList3 cells(places);
-    std::vector<bool> kept(places.size(), true);
+    const CellList3 cells(positions);
+    std::vector<bool> kept(positions.size(), true);
     std::vector<Point3> apart;
-    for (std::uint32_t i = 0; i < places.size(); ++i) {
-        const double least = kNearest * spacing.side(domain.in_box(places[i]));
-        cells.for_near(places[i], least, [&](Point3 q, std::uint32_t j) {
-            if (j < i && kept[j] && length(q - places[i]) < least) kept[i] = i < creases;
+    for (std::uint32_t i = 0; i < positions.size(); ++i) {
+        const double least = kNearest * spacing.side(domain.in_box(positions[i]));
+        cells.for_near(positions[i], least, [&](Point3 q, std::uint32_t j) {
+            if (j < i && kept[j] && length(q - positions[i]) < least) kept[i] = i < creases;
         });
-        if (kept[i]) apart.push_back(places[i]);
+        if (kept[i]) apart.push_back(positions[i]);
     }
     return apart;
 }

@@ -17,7 +17,7 @@ constexpr double kStep = 0.1;             ///< first length of a move, relative 
 constexpr double kFarthest = 0.35;        ///< largest distance of a vertex from its first place, relative to edges
 constexpr int kHalvings = 3;              ///< number of shorter moves that are tried next
 constexpr double kGood = -0.766;          ///< quality of tetrahedra that are kept: no angle is below 40 degrees
-constexpr double kLeastGain = 1e-3;       ///< least gain of quality for which tetrahedra are replaced
+constexpr double kMinGain = 1e-3;         ///< least gain of quality for which tetrahedra are replaced
 constexpr std::size_t kLargestRing = 7;   ///< largest number of tetrahedra around an edge that is removed
 constexpr double kInverted = -2;          ///< quality of a tetrahedron that is turned over
 constexpr std::uint32_t kPerPoll = 1024;  ///< vertices or tetrahedra between polls of the stop token
@@ -193,7 +193,7 @@ private:
                 }
             }
         }
-        if (best[0][count - 1] < before + kLeastGain) return;
+        if (best[0][count - 1] < before + kMinGain) return;
         for (std::size_t i = 0; i < count; ++i) removed_[around[i]] = true;
         const auto add = [&](auto&& self, std::size_t i, std::size_t j) -> void {
             if (j - i < 2) return;

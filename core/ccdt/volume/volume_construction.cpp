@@ -53,15 +53,15 @@ constexpr double kNearReach = 0.88, kLastReach = 0.87, kShare = 0.5;
 constexpr int kNearPushes = 3;   ///< pushes per near round
 constexpr int kLastPushes = 10;  ///< largest number of pushes at the end
 /// Pushes end when all distances are at least this large, relative to the densest packing.
-constexpr double kLeast = 0.855;
+constexpr double kMin = 0.855;
 constexpr double kNegligiblePower = 1e-11;  ///< largest power of a wave that counts as removed
 
 /// Returns the number of points that the bounding box would have if the density continued outside the domain.
 template <class Domain>
 std::size_t points_in_box(const Domain& domain, std::size_t points) {
-    constexpr double kMost = 1e18;  // reached if the domain holds hardly any of the mass
+    constexpr double kMax = 1e18;  // reached if the domain holds hardly any of the mass
     const double number = std::round(static_cast<double>(points) * domain.box().volume() / domain.volume());
-    return static_cast<std::size_t>(std::min(number, kMost));
+    return static_cast<std::size_t>(std::min(number, kMax));
 }
 
 /// Builds one distribution, in the unit frame: the longest side is 1.
@@ -130,7 +130,7 @@ private:
             double least = 0;
             within_density(
                 [&] { least = push_apart(domain_, spacing_, sites_, free_, reach, share, executor_, control_.stop); });
-            if (least >= kLeast) return;
+            if (least >= kMin) return;
         }
     }
     /// Removes long waves. Returns the largest power of a wave before the removal; 0 if the schedule has no `waves`, or
@@ -222,8 +222,8 @@ private:
 }  // namespace
 
 Result<void> check_sites(const VolumeOptions& options) {
-    constexpr std::size_t kMost = VolumeOptions::kMostPoints;
-    if (options.sites >= 1 && options.sites <= kMost && options.fixed.size() <= kMost - options.sites) return {};
+    constexpr std::size_t kMax = VolumeOptions::kMaxPoints;
+    if (options.sites >= 1 && options.sites <= kMax && options.fixed.size() <= kMax - options.sites) return {};
     return failure(ErrorCode::Malformed,
                    "the number of points must be at least 1 and, together with the fixed points, at most 2^30",
                    "sites");

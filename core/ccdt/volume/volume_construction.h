@@ -17,7 +17,7 @@ namespace ccdt {
 
 struct VolumeOptions {
     /// Largest number of sites and fixed points together. Numbers of sites and of a few copies of each fit 32 bits.
-    static constexpr std::size_t kMostPoints = std::size_t{1} << 30;
+    static constexpr std::size_t kMaxPoints = std::size_t{1} << 30;
 
     std::size_t sites = 0;   ///< >= 1
     std::uint64_t seed = 0;  ///< [0, 2^53)

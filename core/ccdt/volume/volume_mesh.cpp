@@ -29,7 +29,7 @@ class PeriodicCopies {
 public:
     /// Creates the points and the copies around the domain that usually suffice.
     PeriodicCopies(const BoxDomain3& domain, const VolumeSpacing& spacing, std::span<const Point3> points)
-        : domain_(domain), points_(points), places_(points.begin(), points.end()), numbers_(points.size()) {
+        : domain_(domain), points_(points), positions_(points.begin(), points.end()), numbers_(points.size()) {
         std::iota(numbers_.begin(), numbers_.end(), 0U);
         rims_.reserve(points.size());
         const double shortest = std::min({domain.sides.x, domain.sides.y, domain.sides.z});
@@ -49,10 +49,10 @@ public:
         }
     }
 
-    std::span<const Point3> places() const { return places_; }
+    std::span<const Point3> positions() const { return positions_; }
 
     /// Number of the point of which a place is a copy.
-    std::uint32_t number(std::uint32_t place) const { return numbers_[place]; }
+    std::uint32_t number(std::uint32_t position) const { return numbers_[position]; }
 
     /// Adds the copy of a point that is nearest to the centre of a tetrahedron's circumsphere, if the copy lies in the
     /// sphere and is not known.
@@ -89,8 +89,9 @@ private:
     /// Returns a sphere through the corners of a tetrahedron. If it is wider than the torus, returns a sphere within it
     /// that contains copies of all points; none if the tetrahedron is flat.
     std::optional<Sphere> circumsphere(const Tetrahedron& tetrahedron) const {
-        const Point3 a = places_[tetrahedron[0]];
-        const Point3 u = places_[tetrahedron[1]] - a, v = places_[tetrahedron[2]] - a, w = places_[tetrahedron[3]] - a;
+        const Point3 a = positions_[tetrahedron[0]];
+        const Point3 u = positions_[tetrahedron[1]] - a, v = positions_[tetrahedron[2]] - a,
+                     w = positions_[tetrahedron[3]] - a;
         const Point3 top = dot(u, u) * cross(v, w) + dot(v, v) * cross(w, u) + dot(w, w) * cross(u, v);
         const Point3 to_centre = (1 / (2 * dot(u, cross(v, w)))) * top;
         const double radius = length(to_centre), widest = length(domain_.sides);
@@ -120,7 +121,7 @@ private:
     }
 
     void add(std::uint32_t number, Point3 copy) {
-        places_.push_back(copy);
+        positions_.push_back(copy);
         numbers_.push_back(number);
     }
 
@@ -138,7 +139,7 @@ private:
 
     const BoxDomain3& domain_;
     const std::span<const Point3> points_;
-    std::vector<Point3> places_;  ///< the points, then copies
+    std::vector<Point3> positions_;  ///< the points, then copies
     std::vector<std::uint32_t> numbers_;
     std::vector<double> rims_;  ///< [points] distances from the domain up to which copies are known
     double known_ = std::numeric_limits<double>::max();  ///< the least of them
@@ -155,7 +156,7 @@ TetrahedronMesh torus_mesh(const BoxDomain3& domain, const VolumeSpacing& spacin
     for (bool is_complete = false; !is_complete && !stop.stop_requested();) {
         is_complete = true;
         mesh.tetrahedra.clear();
-        for (const Tetrahedron& corners : delaunay_tetrahedra(copies.places(), stop)) {
+        for (const Tetrahedron& corners : delaunay_tetrahedra(copies.positions(), stop)) {
             const auto is_original = [&](std::uint32_t corner) { return corner < points.size(); };
             if (std::ranges::none_of(corners, is_original)) continue;
             if (copies.complete(corners)) is_complete = false;

@@ -8,7 +8,7 @@ namespace ccdt {
 
 namespace {
 
-constexpr double kMostCells = 200;  ///< limit on the cells of the grid along an axis
+constexpr double kMaxCells = 200;  ///< limit on the cells of the grid along an axis
 /// Cells per mean spacing. With fewer cells, points crowd where the density changes within a few local spacings.
 constexpr double kCellsPerSpacing = 2.25;
 /// A voxel with at least kMany points has the spacing of its own density if that is less than kShort times the side of
@@ -19,13 +19,13 @@ constexpr double kTolerance = 1e-3;  ///< largest error of the number of points 
 
 /// Returns the side of the cube around a place that holds one point, as if the part of the cube outside the domain held
 /// as many points per volume as the part inside.
-double side_at(const BoxDomain3& domain, const VoxelDensity& density, double points, Point3 place) {
+double side_at(const BoxDomain3& domain, const VoxelDensity& density, double points, Point3 position) {
     const Point3 sides = domain.sides;
     const auto held = [&](double side) {
         Box3 cube;
         double part = 1;
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const double length = along(sides, axis), middle = along(place, axis);
+            const double length = along(sides, axis), middle = along(position, axis);
             const double low = std::max(0.0, middle - side / 2), high = std::min(length, middle + side / 2);
             along(cube.min, axis) = low / length;
             along(cube.max, axis) = high / length;
@@ -51,19 +51,19 @@ VolumeSpacing::VolumeSpacing(const BoxDomain3& domain, const VoxelDensity& densi
     : mean_(std::cbrt(domain.volume() / static_cast<double>(points))), domain_sides_(domain.sides) {
     if (density.is_uniform()) return;
     const auto cells = [&](double side) {
-        return static_cast<std::size_t>(std::clamp(std::ceil(kCellsPerSpacing * side / mean_), 2.0, kMostCells));
+        return static_cast<std::size_t>(std::clamp(std::ceil(kCellsPerSpacing * side / mean_), 2.0, kMaxCells));
     };
     cells_ = {cells(domain.sides.x), cells(domain.sides.y), cells(domain.sides.z)};
     const auto [columns, rows, layers] = cells_;
     sides_.resize(columns * rows * layers);
     many_ = kMany * density.voxel_count() / static_cast<double>(points);
     if (density.largest() >= many_) crowded_ = &density;
-    const auto place = [&](std::size_t cell, std::size_t axis) {
+    const auto position = [&](std::size_t cell, std::size_t axis) {
         return (static_cast<double>(cell) + 0.5) / static_cast<double>(cells_[axis]) * along(domain_sides_, axis);
     };
     for_ranges(executor, rows * layers, 1, [&, columns = columns, rows = rows](std::size_t line, std::size_t) {
         for (std::size_t i = 0; i < columns && !stop.stop_requested(); ++i) {
-            const Point3 centre{place(i, 0), place(line % rows, 1), place(line / rows, 2)};
+            const Point3 centre{position(i, 0), position(line % rows, 1), position(line / rows, 2)};
             sides_[line * columns + i] =
                 static_cast<float>(side_at(domain, density, static_cast<double>(points), centre));
         }
@@ -86,9 +86,9 @@ double VolumeSpacing::side(Point3 p) const {
     const auto face = [&](const float* at) { return line(at) + part[1] * (line(at + row) - line(at)); };
     const double side = face(corner) + part[2] * (face(corner + layer) - face(corner));
     if (crowded_ == nullptr) return side;
-    const auto place = by_axis<Point3>(
+    const auto position = by_axis<Point3>(
         [&](std::size_t axis) { return std::clamp(along(p, axis) / along(domain_sides_, axis), 0.0, 1.0); });
-    const double density = crowded_->at(place);
+    const double density = crowded_->at(position);
     if (density < many_) return side;
     const double own = mean_ / std::cbrt(density);
     return own < kShort * side ? own : side;

@@ -34,10 +34,10 @@ public:
         Random random(seed_, site);
         found_.clear();
         met_gap_ = false;
-        Point3 place = search(box, random);
+        Point3 position = search(box, random);
         // A cell of `inside_` may contain a gap of the density, and the whole box may lie in this gap.
-        while (found_.empty() && met_gap_ && widen(box)) place = search(box, random);
-        if (found_.empty() || zones_.count() == 1) return place;
+        while (found_.empty() && met_gap_ && widen(box)) position = search(box, random);
+        if (found_.empty() || zones_.count() == 1) return position;
         double all = 0;
         for (const Found& each : found_) all += each.weight;
         for (const Found& each : found_) {
@@ -74,25 +74,25 @@ private:
     Point3 search(const Box3& box, Random& random) {
         constexpr int kAttempts = 32;  // a site of a thin part of a solid is hard to find at random
         const Point3 sides = domain_.sides;
-        Point3 place;
+        Point3 position;
         for (int attempt = 0; attempt < kAttempts && (found_.empty() || zones_.count() > 1); ++attempt) {
             const double x = random.uniform(), y = random.uniform(), z = random.uniform();
             const Point3 p = inside_.draw(box, {x, y, z});
-            place = {p.x * sides.x, p.y * sides.y, p.z * sides.z};
-            if (!domain_.contains(place)) continue;
+            position = {p.x * sides.x, p.y * sides.y, p.z * sides.z};
+            if (!domain_.contains(position)) continue;
             if (density_.is_positive(p)) {
-                add(zones_.at(p), weight_at(p), place);
+                add(zones_.at(p), weight_at(p), position);
             } else {
                 met_gap_ = true;
             }
         }
-        return place;
+        return position;
     }
 
-    void add(std::uint32_t zone, double weight, Point3 place) {
+    void add(std::uint32_t zone, double weight, Point3 position) {
         const auto known = std::ranges::find(found_, zone, &Found::zone);
         if (known == found_.end()) {
-            found_.push_back({zone, weight, place});
+            found_.push_back({zone, weight, position});
         } else {
             known->weight += weight;
         }
@@ -101,9 +101,9 @@ private:
     /// Returns the density at a place, relative to that with which the place was drawn. They differ in a solid, because
     /// a cell of `inside_` may contain parts of several voxels.
     double weight_at(Point3 p) const {
-        constexpr double kLeast = 1e-9;  // makes sums of weights positive
+        constexpr double kMin = 1e-9;  // makes sums of weights positive
         const double drawn = inside_.at(p);
-        return drawn > 0 ? std::max(density_.at(p) / drawn, kLeast) : 1;
+        return drawn > 0 ? std::max(density_.at(p) / drawn, kMin) : 1;
     }
 
     /// The places found in a zone.
@@ -130,7 +130,7 @@ template <class Domain>
 std::vector<Point3> draw_start(const Domain& domain, const VoxelDensity& density, const VoxelDensity& inside,
                                const VoxelZones& zones, std::size_t sites, std::span<const Point3> fixed,
                                std::uint64_t seed, const std::stop_token& stop) {
-    constexpr std::size_t kMostPerCell = 4;
+    constexpr std::size_t kMaxPerCell = 4;
     struct Cell {
         Box3 box;  ///< relative to the domain's sides
         std::size_t sites;
@@ -146,10 +146,10 @@ std::vector<Point3> draw_start(const Domain& domain, const VoxelDensity& density
         const Cell cell = cells.back();
         cells.pop_back();
         const std::size_t points = cell.sites + cell.fixed.size();
-        if (points <= kMostPerCell || cell.sites == 0) {
+        if (points <= kMaxPerCell || cell.sites == 0) {
             for (std::size_t i = 0; i < cell.sites; ++i) {
-                const Point3 place = draw(cell.box, drawn.size());
-                drawn.push_back(domain.moved(drawn.empty() ? domain.interior() : drawn.back(), place));
+                const Point3 position = draw(cell.box, drawn.size());
+                drawn.push_back(domain.moved(drawn.empty() ? domain.interior() : drawn.back(), position));
             }
             continue;
         }

@@ -20,18 +20,18 @@ constexpr std::size_t kCells = 512;  ///< cells per task
 /// Largest density that octave 0 resolves, relative to the mean density. In the ball of tests/bench/volume.py, with the
 /// density 1 / r^2, the density is 18 at the average site.
 constexpr double kMaxContrast = 16;
-/// Limits on the cells of octave 0. kMostVolumes is relative to the cells of a domain without contrast that fills its
+/// Limits on the cells of octave 0. kMaxVolumes is relative to the cells of a domain without contrast that fills its
 /// bounding box. It bounds the memory per site, and is reached by solids that fill a small part of their bounding box.
-/// Few sites may have as many cells as kMaxContrast needs, up to kManyCells, and any number of sites kFewestCells. With
+/// Few sites may have as many cells as kMaxContrast needs, up to kManyCells, and any number of sites kUsualCells. With
 /// its margin, the grid of a thin box may have twice as many.
-constexpr double kMostVolumes = 3.8, kFewestCells = 1 << 17, kManyCells = 1 << 19;
+constexpr double kMaxVolumes = 3.8, kUsualCells = 1 << 17, kManyCells = 1 << 19;
 
 /// Returns the spacing that octave 0 resolves, in a grid with `cells` cells per spacing.
 /// @param contrast  mean density at the points, relative to the mean density of the box
 double finest_spacing(const BoxDomain3& box, double contrast, const VolumeSpacing& spacing, double points,
                       double cells) {
     const double volume = std::pow(cells, 3) * points;
-    const double most = std::max({kFewestCells, kMostVolumes * volume, std::min(kManyCells, kMaxContrast * volume)});
+    const double most = std::max({kUsualCells, kMaxVolumes * volume, std::min(kManyCells, kMaxContrast * volume)});
     double finest =
         std::max(spacing.mean() / std::cbrt(std::min(contrast, kMaxContrast)), cells * std::cbrt(box.volume() / most));
     // Thin domains have more cells, because each axis has at least kMinCells, and a margin.

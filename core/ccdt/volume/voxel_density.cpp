@@ -83,13 +83,13 @@ std::size_t VoxelDensity::voxel(double v, std::size_t axis) const {
     return static_cast<std::size_t>(std::clamp(v * count, 0.0, count - 1));
 }
 
-VoxelDensity::Place VoxelDensity::place(double v, std::size_t axis) const {
+VoxelDensity::Position VoxelDensity::position(double v, std::size_t axis) const {
     const std::size_t first = voxel(v, axis);
     return {first, v * static_cast<double>(voxels_[axis]) - static_cast<double>(first)};
 }
 
 /// Returns the share of the mass between the origin and a point. The density must not be uniform.
-double VoxelDensity::sum(Place x, Place y, Place z) const {
+double VoxelDensity::sum(Position x, Position y, Position z) const {
     const std::size_t row = voxels_[0] + 1, layer = row * (voxels_[1] + 1);
     const double* corner = &sums_[z.first * layer + y.first * row + x.first];
     const auto line = [&](const double* at) { return at[0] + x.part * (at[1] - at[0]); };
@@ -99,12 +99,12 @@ double VoxelDensity::sum(Place x, Place y, Place z) const {
 
 double VoxelDensity::mass(const Box3& box) const {
     if (is_uniform()) return (box.max.x - box.min.x) * (box.max.y - box.min.y) * (box.max.z - box.min.z);
-    const Place left = place(box.min.x, 0), right = place(box.max.x, 0);
-    const Place front = place(box.min.y, 1), back = place(box.max.y, 1);
-    const auto face = [&](Place z) {
+    const Position left = position(box.min.x, 0), right = position(box.max.x, 0);
+    const Position front = position(box.min.y, 1), back = position(box.max.y, 1);
+    const auto face = [&](Position z) {
         return (sum(right, back, z) - sum(left, back, z)) - (sum(right, front, z) - sum(left, front, z));
     };
-    return std::max(0.0, face(place(box.max.z, 2)) - face(place(box.min.z, 2)));
+    return std::max(0.0, face(position(box.max.z, 2)) - face(position(box.min.z, 2)));
 }
 
 double VoxelDensity::at(Point3 p) const {

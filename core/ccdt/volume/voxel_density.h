@@ -74,12 +74,12 @@ public:
 
 private:
     /// A coordinate: the number of its voxel, and the position in the voxel, in [0, 1].
-    struct Place {
+    struct Position {
         std::size_t first;
         double part;
     };
-    Place place(double v, std::size_t axis) const;
-    double sum(Place x, Place y, Place z) const;
+    Position position(double v, std::size_t axis) const;
+    double sum(Position x, Position y, Position z) const;
     std::size_t voxel(double v, std::size_t axis) const;
 
     std::array<std::size_t, 3> voxels_{1, 1, 1};

@@ -23,7 +23,7 @@ public:
     int width() const { return cells_.columns + 4; }
     int height() const { return cells_.rows + 4; }
 
-    Point place(int column, int row) const { return {along(column, cells_.columns), along(row, cells_.rows)}; }
+    Point position(int column, int row) const { return {along(column, cells_.columns), along(row, cells_.rows)}; }
 
     float level(int column, int row) const {
         if (column == 0 || row == 0 || column == width() - 1 || row == height() - 1) return 1;
@@ -108,7 +108,7 @@ private:
         const int other_column = down ? column : column + 1, other_row = down ? row + 1 : row;
         const double a = static_cast<double>(nodes_.level(column, row));
         const double b = static_cast<double>(nodes_.level(other_column, other_row));
-        const Point from = nodes_.place(column, row), to = nodes_.place(other_column, other_row);
+        const Point from = nodes_.position(column, row), to = nodes_.position(other_column, other_row);
         return from + a / (a - b) * (to - from);
     }
 

@@ -15,7 +15,7 @@ namespace {
 /// The replacement of an edge by a point.
 struct Collapse {
     double displacement;
-    Point place;
+    Point position;
 };
 
 /// Returns the area of the two equal triangles between a chain that leads from `from` over the line `first`, `second`,
@@ -38,11 +38,11 @@ Collapse collapse(Point a, Point b, Point c, Point d) {
     const double height = along_first ? left : right;
     if (height == 0) return {std::numeric_limits<double>::infinity(), b};
     if (along_first) {
-        const Point place = a + area / height * (b - a);
-        return {displaced(d, place, c, b), place};
+        const Point position = a + area / height * (b - a);
+        return {displaced(d, position, c, b), position};
     }
-    const Point place = d + area / height * (c - d);
-    return {displaced(a, place, b, c), place};
+    const Point position = d + area / height * (c - d);
+    return {displaced(a, position, b, c), position};
 }
 
 class RingReduction {
@@ -62,13 +62,13 @@ public:
     }
 
     std::vector<Point> reduce() {
-        constexpr std::size_t kFewest = 4;
+        constexpr std::size_t kMin = 4;
         if (is_speck_) return {};
-        while (!edges_.empty() && left_ > kFewest) {
+        while (!edges_.empty() && left_ > kMin) {
             const Edge edge = edges_.top();
             edges_.pop();
             if (edge.version != links_[edge.first].version) continue;
-            replace(edge.first, edge.place);
+            replace(edge.first, edge.position);
         }
         std::vector<Point> result;
         for (std::size_t i = 0; i < points_.size(); ++i) {
@@ -90,7 +90,7 @@ private:
     struct Edge {
         double displacement;
         std::uint32_t first, version;
-        Point place;
+        Point position;
 
         bool operator<(const Edge& other) const {
             return displacement != other.displacement ? displacement > other.displacement : first > other.first;
@@ -105,14 +105,14 @@ private:
     void consider(std::uint32_t first) {
         const auto [before, second, version] = links_[first];
         if (is_fixed(first) || is_fixed(second)) return;
-        const auto [displacement, place] =
+        const auto [displacement, position] =
             collapse(points_[before], points_[first], points_[second], points_[links_[second].after]);
-        if (displacement <= most_) edges_.push({displacement, first, version, place});
+        if (displacement <= most_) edges_.push({displacement, first, version, position});
     }
 
-    void replace(std::uint32_t first, Point place) {
+    void replace(std::uint32_t first, Point position) {
         const std::uint32_t second = links_[first].after, after = links_[second].after;
-        points_[first] = place;
+        points_[first] = position;
         links_[first].after = after;
         links_[after].before = first;
         links_[second].version = kGone;

@@ -124,15 +124,15 @@ double to_density(std::vector<float>& cover, const std::vector<float>& around, c
 /// @param area   area of a dot, in pixels
 void to_contrast(std::vector<float>& cover, int width, int height, double tone, double sites, double area,
                  Executor& executor) {
-    constexpr double kSurroundingsOfSide = 0.04, kMostCover = 0.75;
-    constexpr float kLeast = 0.04f;
+    constexpr double kSurroundingsOfSide = 0.04, kMaxCover = 0.75;
+    constexpr float kMin = 0.04f;
     constexpr int kRounds = 12;
     for_pixels(executor, cover.size(), [&](std::size_t i) { cover[i] = 1 - lightness(1 - to_share(cover[i])); });
     const auto around = blurred(cover, width, height, kSurroundingsOfSide * std::max(width, height), executor);
     const auto part = static_cast<float>(0.9 * (1 - 2 * tone));
     for_pixels(executor, cover.size(),
-               [&](std::size_t i) { cover[i] = std::max(cover[i] - part * around[i], kLeast * cover[i]); });
-    const auto most = static_cast<float>(kMostCover / area);
+               [&](std::size_t i) { cover[i] = std::max(cover[i] - part * around[i], kMin * cover[i]); });
+    const auto most = static_cast<float>(kMaxCover / area);
     double scale = 1;
     const auto dots = [&](std::size_t i) {
         return std::min(static_cast<double>(cover[i]) * scale, static_cast<double>(most));
@@ -149,7 +149,7 @@ void to_contrast(std::vector<float>& cover, int width, int height, double tone, 
 
 DotPlan plan_dots(std::vector<std::vector<float>> cover, int width, int height, const DotRequest& request,
                   const std::stop_token& stop, Executor& executor) {
-    constexpr double kLeastTone = 0.5;
+    constexpr double kMinTone = 0.5;
     assert(request.sites || request.radius);
     const auto sites = static_cast<double>(request.sites.value_or(0));
     const MarkArea marks(request.mark);
@@ -172,7 +172,7 @@ DotPlan plan_dots(std::vector<std::vector<float>> cover, int width, int height, 
     const double area = std::max(marks.of(plan.radius), kMinDotArea);
     const double factor = request.sites && request.radius ? find_factor(histogram, marks, sites * area) : 1;
     plan.tone = marks.tone(histogram, factor);
-    plan.shows_contrast = request.may_show_contrast && request.sites && request.radius && plan.tone < kLeastTone;
+    plan.shows_contrast = request.may_show_contrast && request.sites && request.radius && plan.tone < kMinTone;
     for (std::size_t ink = 0; ink < cover.size(); ++ink) {
         const std::vector<float> own = plan.shows_contrast ? cover[ink] : std::vector<float>{};
         plan.dots.push_back(to_density(cover[ink], around[ink], marks, factor, area, executor));

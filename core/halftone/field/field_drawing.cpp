@@ -103,12 +103,12 @@ class ErrorBlur {
 public:
     /// @param cells  of the errors
     ErrorBlur(const FieldPlan& plan, const CellGrid& cells, Executor& executor) : cells_(cells), executor_(executor) {
-        constexpr double kLeastIfHalved = 3.3;  // cells
+        constexpr double kMinIfHalved = 3.3;  // cells
         const CellGrid half{(cells.columns + 1) / 2, (cells.rows + 1) / 2};
         const Spacings spacings(plan, executor);
         const auto narrowest = [&] { return static_cast<double>(*std::ranges::min_element(step_)); };
         step_ = spacings.in(half);
-        grid_ = 2 * narrowest() < kLeastIfHalved ? cells : half;
+        grid_ = 2 * narrowest() < kMinIfHalved ? cells : half;
         if (grid_ == cells) step_ = spacings.in(cells);
         least_ = narrowest();
         const auto of = [least = static_cast<float>(least_)](float length) { return std::log2(length / least); };
@@ -125,8 +125,8 @@ public:
     /// @param gain    factor of the result
     template <class Errors>
     std::vector<float> operator()(const Errors& errors, double reach, float gain) {
-        constexpr double kLeast = 1.5;  // cells
-        const double sigma = std::max(reach * least_, kLeast / scale());
+        constexpr double kMin = 1.5;  // cells
+        const double sigma = std::max(reach * least_, kMin / scale());
         std::vector<float> values(size_of(grid_));
         if (grid_ == cells_) {
             const auto columns = static_cast<std::size_t>(cells_.columns);
@@ -408,10 +408,10 @@ CellGrid fit_cells(const FieldPlan& plan, const CellGrid& canvas) {
 /// Returns cells in which outlines are precise: kPixelsOfPitch to the spacing of sites, and at least those of the plan,
 /// but at most 16 million.
 CellGrid outline_cells(const FieldPlan& plan) {
-    constexpr double kMost = 16e6;
+    constexpr double kMax = 16e6;
     const double cells = static_cast<double>(plan.cells.columns) * plan.cells.rows;
     const double wanted = std::max(plan.sites * kPixelsOfPitch * kPixelsOfPitch, cells);
-    const double scale = std::sqrt(std::min(wanted, kMost) / cells);
+    const double scale = std::sqrt(std::min(wanted, kMax) / cells);
     const auto along = [scale](int side) { return std::max(static_cast<int>(std::lround(scale * side)), 1); };
     return {along(plan.cells.columns), along(plan.cells.rows)};
 }

@@ -46,11 +46,11 @@ std::vector<float> gradients(const std::vector<float>& values, const CellGrid& c
 std::vector<float> steepness_of(const std::vector<float>& light, const CellGrid& cells, double pitch,
                                 Executor& executor) {
     constexpr double kBlur = 0.6;
-    constexpr float kEdge = 0.3f, kGain = 4, kMost = 12;
+    constexpr float kEdge = 0.3f, kGain = 4, kMax = 12;
     auto factors = gradients(blurred(light, cells.columns, cells.rows, kBlur, executor), cells, executor);
     for_pixels(executor, factors.size(), [&](std::size_t i) {
         const float excess = std::max(factors[i] * static_cast<float>(pitch) - kEdge, 0.0f);
-        factors[i] = std::min(1 + kGain * excess * excess, kMost);
+        factors[i] = std::min(1 + kGain * excess * excess, kMax);
     });
     return factors;
 }
@@ -222,14 +222,14 @@ private:
     /// Moves sites away from cells whose dots or holes would be smaller than allowed.
     void limit_density() {
         constexpr int kRounds = 6;
-        constexpr double kMost = 4, kTiny = 1e-30;
+        constexpr double kMax = 4, kTiny = 1e-30;
         const std::vector<float> free = plan_.density;
         double scale = plan_.sites / std::max(sum_of(executor_, free), kTiny);
         for (int round = 0; round < kRounds; ++round) {
             for_pixels(executor_, free.size(), [&](std::size_t i) {
                 plan_.density[i] = std::min(free[i] * static_cast<float>(scale), most_[i]);
             });
-            scale *= std::min(plan_.sites / std::max(sum_of(executor_, plan_.density), kTiny), kMost);
+            scale *= std::min(plan_.sites / std::max(sum_of(executor_, plan_.density), kTiny), kMax);
         }
     }
 
@@ -262,7 +262,7 @@ std::vector<float> smoothed(const std::vector<float>& light, const CellGrid& cel
 std::vector<unsigned> useful_sets(const LightPlanes& light, const InkSet& inks, const CellGrid& cells,
                                   Executor& executor) {
     constexpr int kSide = 30;
-    constexpr double kNegligible = 0.1, kLeastGain = 1e-3;  // lightness, and its mean square
+    constexpr double kNegligible = 0.1, kMinGain = 1e-3;  // lightness, and its mean square
     const std::vector<unsigned> all = sets_by_luminance(inks);
 
     const CellGrid few{std::min(cells.columns, kSide), std::min(cells.rows, kSide)};
@@ -301,7 +301,7 @@ std::vector<unsigned> useful_sets(const LightPlanes& light, const InkSet& inks, 
         }
         for (const std::size_t j : chosen) sums[j] = -1;
         const auto best = std::ranges::max_element(sums);
-        if (*best < kLeastGain * static_cast<double>(wanted.size())) break;
+        if (*best < kMinGain * static_cast<double>(wanted.size())) break;
         chosen.push_back(static_cast<std::size_t>(best - sums.begin()));
     }
     std::ranges::sort(chosen);

@@ -18,13 +18,13 @@ using Corners = SpotTriangles::Corners;
 constexpr double kSide = 0.3;
 
 /// Returns a coordinate and those of its mirror images that are near the picture.
-/// @param place  from the middle of a side
-std::vector<double> images(double place, double side, double reach) {
-    std::vector<double> places{place};
+/// @param position  from the middle of a side
+std::vector<double> images(double position, double side, double reach) {
+    std::vector<double> positions{position};
     for (const double end : {-side / 2, side / 2}) {
-        if (std::abs(end - place) <= reach * side) places.push_back(2 * end - place);
+        if (std::abs(end - position) <= reach * side) positions.push_back(2 * end - position);
     }
-    return places;
+    return positions;
 }
 
 /// Returns the sites and their mirror images, with coordinates in which the longer side of the box is kSide and its
@@ -45,9 +45,9 @@ std::vector<Point> mirrored(std::span<const Point> sites, const Box& box) {
 }
 
 /// Returns the first cell whose centre is not before a place.
-int first_centre(double place) {
-    constexpr double kMost = 1e9;
-    return static_cast<int>(std::ceil(std::clamp(place, 0.0, kMost) - 0.5));
+int first_centre(double position) {
+    constexpr double kMax = 1e9;
+    return static_cast<int>(std::ceil(std::clamp(position, 0.0, kMax) - 0.5));
 }
 
 Corners in_cells(Corners corners, const CellGrid& cells) {

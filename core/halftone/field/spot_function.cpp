@@ -112,11 +112,11 @@ public:
 
     /// Returns the share of the sixth that the contour through a place encloses.
     /// @param edge  distance from the centre to the outermost contour in the direction of the place
-    double share(Point place, double edge) const {
+    double share(Point position, double edge) const {
         // Solves log(scale) + scale^kRoundness log(edge / mean) = log(distance / mean) by Newton's method.
         constexpr int kSteps = 8;
-        const double bulge = std::log(edge / mean_), wanted = std::log(length(place - centre_) / mean_);
-        double scale = std::min(length(place - centre_) / mean_, 1.0);
+        const double bulge = std::log(edge / mean_), wanted = std::log(length(position - centre_) / mean_);
+        double scale = std::min(length(position - centre_) / mean_, 1.0);
         for (int i = 0; i < kSteps; ++i)
             scale -= (std::log(scale) + std::pow(scale, kRoundness) * bulge - wanted) /
                      (1 / scale + kRoundness * std::pow(scale, kRoundness - 1) * bulge);
@@ -137,16 +137,16 @@ private:
 /// The spot function at places of the sixth.
 class Values {
 public:
-    double at(Point place) const {
-        const double corner = length(place), centre = length(place - kCentroid);
+    double at(Point position) const {
+        const double corner = length(position), centre = length(position - kCentroid);
         if (centre >= dot_ * corner) {
             if (corner == 0) return 1;
-            return 1 - dots_.share(place, distance_to({0, 0}, kCentroid, 1 / corner * place, dot_));
+            return 1 - dots_.share(position, distance_to({0, 0}, kCentroid, 1 / corner * position, dot_));
         }
         if (centre <= hole_ * corner) {
             if (centre == 0) return 0;
-            const Point ray = 1 / centre * (place - kCentroid);
-            return holes_.share(place, distance_to(kCentroid, {0, 0}, ray, 1 / hole_));
+            const Point ray = 1 / centre * (position - kCentroid);
+            return holes_.share(position, distance_to(kCentroid, {0, 0}, ray, 1 / hole_));
         }
         return 1 - around_corner(centre / corner).share();
     }

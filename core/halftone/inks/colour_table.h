@@ -34,8 +34,8 @@ public:
     /// @param used  number of entries of a node that are interpolated; the remaining ones are 0
     ColourTable(Function function, Steps steps, std::size_t used = Node().size())
         : function_(std::move(function)), steps_(steps), used_(used), nodes_(kNodes * used), is_filled_(kNodes) {
-        for (std::size_t i = 0; i < places_.size(); ++i)
-            places_[i] = (kSide - 1) * lightness(std::min(1.0f, static_cast<float>(i) / kSteps));
+        for (std::size_t i = 0; i < positions_.size(); ++i)
+            positions_[i] = (kSide - 1) * lightness(std::min(1.0f, static_cast<float>(i) / kSteps));
         for (std::size_t i = 0; i < kSide; ++i) light_[i] = luminance(static_cast<float>(i) / (kSide - 1));
     }
 
@@ -66,10 +66,10 @@ private:
     static constexpr std::size_t kSteps = 4096;  // steps of light in [0, 1]; lightness is linear between steps, to 1e-5
 
     /// Returns the position of a light on an axis, in nodes.
-    float place_of(float light) const {
+    float position_of(float light) const {
         const float step = light * kSteps;
         const auto below = static_cast<std::size_t>(step);
-        return std::lerp(places_[below], places_[below + 1], step - static_cast<float>(below));
+        return std::lerp(positions_[below], positions_[below + 1], step - static_cast<float>(below));
     }
 
     Light colour_of(std::size_t node) const {
@@ -85,11 +85,11 @@ private:
         };
         std::size_t node = 0;
         const auto axis = [&](float value, std::size_t step) {
-            const float place = place_of(value);
-            const std::size_t below = std::min(static_cast<std::size_t>(place), kSide - 2);
+            const float position = position_of(value);
+            const std::size_t below = std::min(static_cast<std::size_t>(position), kSide - 2);
             node += below * step;
             const float part = steps_ == Steps::Lightness
-                                   ? place - static_cast<float>(below)
+                                   ? position - static_cast<float>(below)
                                    : (value - light_[below]) / (light_[below + 1] - light_[below]);
             return Axis{part, step};
         };
@@ -127,9 +127,9 @@ private:
     const Function function_;
     const Steps steps_;
     const std::size_t used_;
-    std::array<float, kSteps + 2> places_{};  ///< positions on an axis, in nodes, for equal steps of light from 0
-    std::array<float, kSide> light_{};        ///< light at the nodes of an axis
-    std::vector<float> nodes_;                ///< [nodes][used]; red varies fastest
+    std::array<float, kSteps + 2> positions_{};  ///< positions on an axis, in nodes, for equal steps of light from 0
+    std::array<float, kSide> light_{};           ///< light at the nodes of an axis
+    std::vector<float> nodes_;                   ///< [nodes][used]; red varies fastest
     std::vector<std::atomic<bool>> is_filled_;
     std::array<std::mutex, 64> filling_;  ///< each guards some of the nodes
 };

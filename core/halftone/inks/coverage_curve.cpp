@@ -30,11 +30,11 @@ double disc_share(double dots) {
                                     0.99763, 0.99872, 0.99934, 0.99965, 0.99979, 0.99987, 0.99991, 0.99993,
                                     0.99995, 0.99996, 0.99997, 0.99998, 0.99999, 1.0};
     if (dots <= kFirst) return dots;
-    const double place = (dots - kFirst) / kStep;
-    const auto below = static_cast<std::size_t>(place);
+    const double position = (dots - kFirst) / kStep;
+    const auto below = static_cast<std::size_t>(position);
     if (below + 1 >= kShares.size()) return 1;
     // Cubic interpolation between four entries. Linear interpolation would be 0.0006 too low where the curve bends.
-    const double b = kShares[below], c = kShares[below + 1], t = place - static_cast<double>(below);
+    const double b = kShares[below], c = kShares[below + 1], t = position - static_cast<double>(below);
     const double a = below == 0 ? kFirst - kStep : kShares[below - 1];
     const double d = below + 2 < kShares.size() ? kShares[below + 2] : 1;
     return b + t / 2 * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a)));
@@ -73,9 +73,9 @@ CoverageCurve::CoverageCurve(Mark mark) : dots_{0} {
 }
 
 double CoverageCurve::dots(double share) const {
-    const double place = std::clamp(share, 0.0, 1.0) * kEntries;
-    const std::size_t below = std::min(static_cast<std::size_t>(place), kEntries - 1);
-    return std::lerp(dots_[below], dots_[below + 1], place - static_cast<double>(below));
+    const double position = std::clamp(share, 0.0, 1.0) * kEntries;
+    const std::size_t below = std::min(static_cast<std::size_t>(position), kEntries - 1);
+    return std::lerp(dots_[below], dots_[below + 1], position - static_cast<double>(below));
 }
 
 }  // namespace ccdt

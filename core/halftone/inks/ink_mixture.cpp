@@ -38,9 +38,9 @@ public:
     static constexpr double kTau = 150, kFirst = 10, kExact = 1e6;
 
     /// @param costs   [sets] D
-    /// @param places  [sets] v
-    EntropyFit(std::span<const double> costs, std::span<const Lab> places, const Lab& off)
-        : costs_(costs), places_(places), off_(off), shares_(costs.size()) {}
+    /// @param positions  [sets] v
+    EntropyFit(std::span<const double> costs, std::span<const Lab> positions, const Lab& off)
+        : costs_(costs), positions_(positions), off_(off), shares_(costs.size()) {}
 
     std::vector<double> minimize() {
         constexpr double kFactor = 10;
@@ -57,7 +57,7 @@ private:
         constexpr double kNear = 1e-9;
         double value = evaluate(dual);
         for (int step = 0; step < kMaxSteps; ++step) {
-            const Lab mean = mean_place();
+            const Lab mean = mean_position();
             Lab slope{};
             Matrix curvature{};
             for (std::size_t r = 0; r < 3; ++r) {
@@ -67,7 +67,8 @@ private:
             for (std::size_t j = 0; j < shares_.size(); ++j) {
                 for (std::size_t r = 0; r < 3; ++r) {
                     for (std::size_t s = 0; s < 3; ++s)
-                        curvature[r][s] += shares_[j] / kTau * (places_[j][r] - mean[r]) * (places_[j][s] - mean[s]);
+                        curvature[r][s] +=
+                            shares_[j] / kTau * (positions_[j][r] - mean[r]) * (positions_[j][s] - mean[s]);
                 }
             }
             const Lab way = solved(curvature, slope);
@@ -90,7 +91,7 @@ private:
     double evaluate(const Lab& dual) {
         double least = std::numeric_limits<double>::infinity(), sum = 0;
         for (std::size_t j = 0; j < shares_.size(); ++j) {
-            shares_[j] = costs_[j] + dot(dual, places_[j]);
+            shares_[j] = costs_[j] + dot(dual, positions_[j]);
             least = std::min(least, shares_[j]);
         }
         for (double& each : shares_) {
@@ -101,16 +102,16 @@ private:
         return least - kTau * std::log(sum) + dot(dual, off_) - dot(dual, dual) / (4 * exact_);
     }
 
-    Lab mean_place() const {
+    Lab mean_position() const {
         Lab mean{};
         for (std::size_t j = 0; j < shares_.size(); ++j) {
-            for (std::size_t r = 0; r < 3; ++r) mean[r] += shares_[j] * places_[j][r];
+            for (std::size_t r = 0; r < 3; ++r) mean[r] += shares_[j] * positions_[j][r];
         }
         return mean;
     }
 
     std::span<const double> costs_;
-    std::span<const Lab> places_;
+    std::span<const Lab> positions_;
     Lab off_;
     double exact_ = kFirst;
     std::vector<double> shares_;
@@ -174,14 +175,14 @@ InkMixture::Shares InkMixture::solve(const Light& wanted) const {
             const Lab there = difference(lab_of(next));
             for (std::size_t r = 0; r < 3; ++r) slopes[c][r] = (there[r] - off[r]) / way;
         }
-        std::vector<Lab> places(colours_.size(), Lab{});
+        std::vector<Lab> positions(colours_.size(), Lab{});
         for (std::size_t r = 0; r < 3; ++r) {
             for (std::size_t c = 0; c < 3; ++c) {
                 off[r] -= slopes[c][r] * light[c];
-                for (std::size_t j = 0; j < places.size(); ++j) places[j][r] += slopes[c][r] * colours_[j][c];
+                for (std::size_t j = 0; j < positions.size(); ++j) positions[j][r] += slopes[c][r] * colours_[j][c];
             }
         }
-        shares = EntropyFit(costs, places, off).minimize();
+        shares = EntropyFit(costs, positions, off).minimize();
         std::ranges::transform(shares, result.begin(), [](double each) { return static_cast<float>(each); });
         const Channels seen = this->light(result);
         const Lab before = difference(lab_of(light)), after = difference(lab_of(seen));

@@ -79,8 +79,8 @@ PrintProof::PrintProof(const LightPlanes& light, const CellGrid& cells, int widt
     wanted_ = means(
         [&](int x, int y) {
             const auto cell = [&](int sample, int count, int size) {
-                const double place = (sample + 0.5) * step_ * (static_cast<double>(count) / size);
-                return static_cast<std::size_t>(std::min(static_cast<int>(place), count - 1));
+                const double position = (sample + 0.5) * step_ * (static_cast<double>(count) / size);
+                return static_cast<std::size_t>(std::min(static_cast<int>(position), count - 1));
             };
             return at(light, cell(y, cells.rows, height) * static_cast<std::size_t>(cells.columns) +
                                  cell(x, cells.columns, width));
@@ -178,8 +178,8 @@ Point PrintProof::move(Point site, unsigned ink, const std::vector<std::uint8_t>
     constexpr double kOutside = 0.7;   // distance from the rim in samples, at which the dot covers no sample
     const double reach = radius_ / step_ + kOutside;
     const Point centre = 1 / step_ * site;
-    const auto cell = [](double place, int size) {
-        return static_cast<std::size_t>(std::clamp(static_cast<int>(place / kCell), 0, size - 1));
+    const auto cell = [](double position, int size) {
+        return static_cast<std::size_t>(std::clamp(static_cast<int>(position / kCell), 0, size - 1));
     };
     const Channels gradient =
         at(gradients, cell(centre.y, rows_) * static_cast<std::size_t>(columns_) + cell(centre.x, columns_));

@@ -204,21 +204,21 @@ std::vector<std::size_t> share_sites(std::span<const double> ink_sums, std::size
     std::vector<std::size_t> order(ink_sums.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return ink_sums[a] > ink_sums[b]; });
-    std::size_t left = sites;
+    std::size_t remaining = sites;
     for (const std::size_t ink : order) {
-        if (left == 0 || !(ink_sums[ink] > 0)) break;
+        if (remaining == 0 || !(ink_sums[ink] > 0)) break;
         shares[ink] = 1;
-        --left;
+        --remaining;
     }
     // Each ink gets the integer part of its quota. Then each remaining site goes to the ink farthest below its quota.
     const auto quota = [&](std::size_t ink) { return ink_sums[ink] / total * static_cast<double>(sites); };
     for (const std::size_t ink : order) {
         const auto whole = static_cast<std::size_t>(quota(ink));
-        const std::size_t more = std::min(left, whole > shares[ink] ? whole - shares[ink] : 0);
+        const std::size_t more = std::min(remaining, whole > shares[ink] ? whole - shares[ink] : 0);
         shares[ink] += more;
-        left -= more;
+        remaining -= more;
     }
-    for (; left > 0; --left) {
+    for (; remaining > 0; --remaining) {
         const auto missing = [&](std::size_t ink) { return quota(ink) - static_cast<double>(shares[ink]); };
         const std::size_t most = *std::ranges::max_element(order, {}, missing);
         ++shares[most];

@@ -35,13 +35,13 @@ struct Wave {
 /// The domain's box, scaled to unit area or volume without changing its shape, and the waves that fit the box.
 /// @tparam P  Point or Point3
 template <class P>
-struct Frame {
+struct UnitBox {
     P min, max;
     bool periodic;
     P size = max - min;  ///< sides of the box
     P sides{};           ///< sides of the box scaled to unit area or volume
 
-    Frame(const P& lowest, const P& highest, bool is_torus) : min(lowest), max(highest), periodic(is_torus) {
+    UnitBox(const P& lowest, const P& highest, bool is_torus) : min(lowest), max(highest), periodic(is_torus) {
         for_axes([&](std::size_t axis) { along(sides, axis) = along(size, axis) * per_side(1); });
     }
 
@@ -111,7 +111,7 @@ tl::unexpected<Error> unusable(std::string message, std::string field) {
 }
 
 template <class P>
-Result<void> check_set(std::size_t s, const std::vector<P>& set, const Frame<P>& frame) {
+Result<void> check_set(std::size_t s, const std::vector<P>& set, const UnitBox<P>& frame) {
     for (std::size_t p = 0; p < set.size(); ++p) {
         if (frame.holds(set[p])) continue;
         return unusable("the point lies outside the domain", '/' + std::to_string(s) + '/' + std::to_string(p));
@@ -120,7 +120,7 @@ Result<void> check_set(std::size_t s, const std::vector<P>& set, const Frame<P>&
 }
 
 template <class P>
-Result<void> check_sets(Sets<P> sets, const Frame<P>& frame) {
+Result<void> check_sets(Sets<P> sets, const UnitBox<P>& frame) {
     if (sets.empty()) return unusable("there are no points", "");
     for (std::size_t s = 0; s < sets.size(); ++s) {
         const std::string field = '/' + std::to_string(s);
@@ -137,7 +137,7 @@ Result<void> check_sets(Sets<P> sets, const Frame<P>& frame) {
 
 /// Returns the density of points in the middle of a window, where the treatment of the border has no effect.
 template <class P>
-double middle_density(const std::vector<P>& set, const Frame<P>& frame) {
+double middle_density(const std::vector<P>& set, const UnitBox<P>& frame) {
     const auto count = std::ranges::count_if(set, [&](const P& p) {
         const P share = frame.share_of(p);
         bool inner = true;
@@ -150,7 +150,7 @@ double middle_density(const std::vector<P>& set, const Frame<P>& frame) {
 }
 
 template <class P>
-Result<std::vector<double>> densities_of(Sets<P> sets, const Frame<P>& frame) {
+Result<std::vector<double>> densities_of(Sets<P> sets, const UnitBox<P>& frame) {
     std::vector<double> densities;
     for (std::size_t s = 0; s < sets.size(); ++s) {
         densities.push_back(frame.periodic ? static_cast<double>(sets[s].size()) : middle_density(sets[s], frame));
@@ -167,7 +167,7 @@ double mean(const std::vector<double>& values) {
 }
 
 template <class P>
-Result<Plan> make_plan(Sets<P> sets, const Frame<P>& frame, const AnalysisOptions& options) {
+Result<Plan> make_plan(Sets<P> sets, const UnitBox<P>& frame, const AnalysisOptions& options) {
     auto densities = densities_of(sets, frame);
     if (!densities) return tl::make_unexpected(densities.error());
     Plan plan{*std::move(densities)};
@@ -200,7 +200,7 @@ double hann_transform(int frequency) {
 }
 
 template <class P>
-std::vector<BasicWeightedPoint<P>> weigh(const std::vector<P>& set, const Frame<P>& frame) {
+std::vector<BasicWeightedPoint<P>> weigh(const std::vector<P>& set, const UnitBox<P>& frame) {
     std::vector<BasicWeightedPoint<P>> points;
     points.reserve(set.size());
     for (const P& p : set) {
@@ -272,7 +272,8 @@ template <class P>
 class Periodogram {
 public:
     /// All arguments must outlive this object.
-    Periodogram(const Frame<P>& frame, const Plan& plan, Layers& powers) : frame_(frame), plan_(plan), powers_(powers) {
+    Periodogram(const UnitBox<P>& frame, const Plan& plan, Layers& powers)
+        : frame_(frame), plan_(plan), powers_(powers) {
         const auto [x, y, z] = plan.highest;
         if (NonuniformTransform::cells(x, y, z) <= static_cast<double>(kMaxCells)) {
             whole_.emplace(x, y, z);
@@ -329,7 +330,7 @@ private:
         powers_.at({-wave.x, -wave.y, -wave.z}) += power;
     }
 
-    const Frame<P>& frame_;
+    const UnitBox<P>& frame_;
     const Plan& plan_;
     Layers& powers_;
     std::optional<NonuniformTransform> whole_;
@@ -338,13 +339,13 @@ private:
 };
 
 template <class P>
-void add_spacing(const std::vector<P>& set, const Frame<P>& frame, double density, const std::stop_token& stop,
+void add_spacing(const std::vector<P>& set, const UnitBox<P>& frame, double density, const std::stop_token& stop,
                  Analysis& analysis) {
     std::vector<P> points;
     points.reserve(set.size());
     for (const P& p : set) {
-        P& place = points.emplace_back(frame.share_of(p));
-        frame.for_axes([&](std::size_t axis) { along(place, axis) *= along(frame.sides, axis); });
+        P& position = points.emplace_back(frame.share_of(p));
+        frame.for_axes([&](std::size_t axis) { along(position, axis) *= along(frame.sides, axis); });
     }
     const Spacing spacing = measure_spacing(points, frame.sides, frame.periodic, stop);
     const double densest = frame.densest(density);
@@ -361,7 +362,7 @@ struct Ring {
 };
 
 template <class P>
-std::vector<Ring> measure_rings(const Frame<P>& frame, const Plan& plan, Layers& powers) {
+std::vector<Ring> measure_rings(const UnitBox<P>& frame, const Plan& plan, Layers& powers) {
     std::vector<Ring> rings(static_cast<std::size_t>(plan.rings) + 1);
     const auto for_each_member = [&](auto&& visit) {
         for_each_pair(plan, [&](Wave wave) {
@@ -389,7 +390,7 @@ double anisotropy(const Ring& ring) {
 }
 
 template <class P>
-void fill_curves(const Frame<P>& frame, const Plan& plan, Layers& powers, Analysis& analysis) {
+void fill_curves(const UnitBox<P>& frame, const Plan& plan, Layers& powers, Analysis& analysis) {
     const auto rings = measure_rings(frame, plan, powers);
     for (std::size_t r = 1; r < rings.size(); ++r) {
         if (rings[r].count < 2) continue;
@@ -400,7 +401,7 @@ void fill_curves(const Frame<P>& frame, const Plan& plan, Layers& powers, Analys
 }
 
 template <class P>
-std::optional<double> low_frequency_power(const Frame<P>& frame, const Plan& plan, Layers& powers) {
+std::optional<double> low_frequency_power(const UnitBox<P>& frame, const Plan& plan, Layers& powers) {
     double count = 0, sum = 0;
     for_each_pair(plan, [&](Wave wave) {
         if (frame.frequency(wave) >= frame.low() * plan.resolution || frame.is_excluded(wave)) return;
@@ -413,7 +414,7 @@ std::optional<double> low_frequency_power(const Frame<P>& frame, const Plan& pla
 
 /// Transforms all sets and averages their powers. A stop ends the computation early; the result must not be used then.
 template <class P>
-Analysis measure(Sets<P> sets, const Frame<P>& frame, const Plan& plan, const std::stop_token& stop) {
+Analysis measure(Sets<P> sets, const UnitBox<P>& frame, const Plan& plan, const std::stop_token& stop) {
     Analysis analysis;
     analysis.sets = sets.size();
     analysis.points = sets[0].size();
@@ -434,7 +435,7 @@ Analysis measure(Sets<P> sets, const Frame<P>& frame, const Plan& plan, const st
 
 /// Checks the arguments of an analysis and makes its plan. Errors: those of check_analysis().
 template <class P>
-Result<Plan> prepare(Sets<P> sets, const Frame<P>& frame, const AnalysisOptions& options) {
+Result<Plan> prepare(Sets<P> sets, const UnitBox<P>& frame, const AnalysisOptions& options) {
     bool is_proper = true;
     frame.for_axes([&](std::size_t axis) {
         const double side = along(frame.size, axis);
@@ -448,7 +449,7 @@ Result<Plan> prepare(Sets<P> sets, const Frame<P>& frame, const AnalysisOptions&
 }
 
 template <class P>
-Result<Analysis> analyse_in(const Frame<P>& frame, Sets<P> sets, const AnalysisOptions& options,
+Result<Analysis> analyse_in(const UnitBox<P>& frame, Sets<P> sets, const AnalysisOptions& options,
                             const std::stop_token& stop) {
     const auto plan = prepare(sets, frame, options);
     if (!plan) return tl::make_unexpected(plan.error());
@@ -458,7 +459,7 @@ Result<Analysis> analyse_in(const Frame<P>& frame, Sets<P> sets, const AnalysisO
     return analysis;
 }
 
-Frame<Point> frame_of(const Domain& domain) {
+UnitBox<Point> frame_of(const Domain& domain) {
     assert(domain.is_box());
     return {domain.bounds().min, domain.bounds().max, domain.is_torus()};
 }
@@ -470,7 +471,7 @@ Result<void> check_analysis(Sets<Point> sets, const Domain& domain, const Analys
 }
 
 Result<void> check_analysis(Sets<Point3> sets, Point3 sides, bool periodic, const AnalysisOptions& options) {
-    return prepare(sets, Frame<Point3>({}, sides, periodic), options).map([](const Plan&) {});
+    return prepare(sets, UnitBox<Point3>({}, sides, periodic), options).map([](const Plan&) {});
 }
 
 Result<Analysis> analyse(Sets<Point> sets, const Domain& domain, const AnalysisOptions& options,
@@ -480,7 +481,7 @@ Result<Analysis> analyse(Sets<Point> sets, const Domain& domain, const AnalysisO
 
 Result<Analysis> analyse(Sets<Point3> sets, Point3 sides, bool periodic, const AnalysisOptions& options,
                          const std::stop_token& stop) {
-    return analyse_in(Frame<Point3>({}, sides, periodic), sets, options, stop);
+    return analyse_in(UnitBox<Point3>({}, sides, periodic), sets, options, stop);
 }
 
 }  // namespace ccdt

@@ -120,12 +120,12 @@ Result<void> add_modes(const Surface& surface, std::span<const SurfacePoint> poi
 /// Errors: Unusable.
 Result<void> add_spacing(const Surface& surface, std::span<const SurfacePoint> points, const std::stop_token& stop,
                          SurfaceAnalysis& analysis) {
-    std::vector<Point3> places, normals;
+    std::vector<Point3> positions, normals;
     for (const SurfacePoint& point : points) {
-        places.push_back(surface.place(point));
+        positions.push_back(surface.position(point));
         normals.push_back(surface.normal(point.face));
     }
-    const Spacing spacing = measure_spacing(places, normals, stop);
+    const Spacing spacing = measure_spacing(positions, normals, stop);
     if (stop.stop_requested()) return failure(ErrorCode::Stopped, "the analysis was stopped");
     if (!std::isfinite(spacing.min)) return failure(ErrorCode::Unusable, "no point has a neighbour", "points");
     const double densest = hexagonal_spacing(static_cast<double>(points.size()) / surface.total_area());

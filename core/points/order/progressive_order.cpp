@@ -82,18 +82,18 @@ constexpr bool kInSpace = kAxes<P> == 3;
 /// The box in which points lie: from the origin to `sides`, each of which is > 0. It has three dimensions for points in
 /// space and on a surface.
 template <class P>
-struct Frame {
+struct PointBox {
     P sides;
     double size;  ///< area of the domain or surface; volume of a domain in space
     bool is_torus = false;
     bool is_solid = false;           ///< whether the domain has three dimensions
     const Domain* domain = nullptr;  ///< nullptr in space
 
-    BasicCellList<P> cells(std::span<const P> places) const {
+    BasicCellList<P> cells(std::span<const P> positions) const {
         if constexpr (kInSpace<P>)
-            return is_torus ? BasicCellList<P>(sides, places) : BasicCellList<P>(places);
+            return is_torus ? BasicCellList<P>(sides, positions) : BasicCellList<P>(positions);
         else
-            return BasicCellList<P>(*domain, places);
+            return BasicCellList<P>(*domain, positions);
     }
 
     /// Returns the side of a square of a given area or, in a solid domain, of a cube of a given volume.
@@ -114,10 +114,10 @@ struct Frame {
 /// Points of a domain, or points on a surface with the surface's normals.
 template <class P>
 struct Points {
-    std::vector<P> places;
-    std::vector<P> normals;  ///< [places]; empty if the points are not on a surface
+    std::vector<P> positions;
+    std::vector<P> normals;  ///< [positions]; empty if the points are not on a surface
 
-    std::size_t size() const { return places.size(); }
+    std::size_t size() const { return positions.size(); }
 
     /// Whether two points are on opposite sides of a thin plate, so that they are not neighbours.
     bool are_opposed(std::uint32_t i, std::uint32_t j) const {
@@ -127,8 +127,8 @@ struct Points {
     /// Returns the points with the given numbers, in the given order.
     Points selected(std::span<const std::uint32_t> numbers) const {
         Points result;
-        result.places.reserve(numbers.size());
-        for (const std::uint32_t i : numbers) result.places.push_back(places[i]);
+        result.positions.reserve(numbers.size());
+        for (const std::uint32_t i : numbers) result.positions.push_back(positions[i]);
         if (normals.empty()) return result;
         result.normals.reserve(numbers.size());
         for (const std::uint32_t i : numbers) result.normals.push_back(normals[i]);
@@ -152,7 +152,7 @@ template <class P>
 class SpacingMeter {
 public:
     /// @param usual  spacing of the same number of points at uniform density
-    SpacingMeter(const Frame<P>& frame, const Points<P>& points, const BasicCellList<P>& near, double usual)
+    SpacingMeter(const PointBox<P>& frame, const Points<P>& points, const BasicCellList<P>& near, double usual)
         : frame_(frame), points_(points), near_(near), usual_(usual) {
         for (const double side : coordinates(frame.sides)) widest_ += 2 * side;
     }
@@ -174,8 +174,8 @@ private:
     /// Whether there are enough neighbours within reach.
     bool find(std::uint32_t point, double reach, std::size_t wanted) {
         squares_.clear();
-        near_.for_near(points_.places[point], reach, [&](P place, std::uint32_t number) {
-            const P apart = place - points_.places[point];
+        near_.for_near(points_.positions[point], reach, [&](P position, std::uint32_t number) {
+            const P apart = position - points_.positions[point];
             const double square = dot(apart, apart);
             if (number == point || square >= reach * reach || points_.are_opposed(point, number)) return;
             squares_.push_back(square);
@@ -183,7 +183,7 @@ private:
         return squares_.size() >= wanted;
     }
 
-    const Frame<P>& frame_;
+    const PointBox<P>& frame_;
     const Points<P>& points_;
     const BasicCellList<P>& near_;
     double usual_;
@@ -193,10 +193,10 @@ private:
 
 /// Returns the axis along which some points extend farthest.
 template <class P>
-std::size_t longest_axis(std::span<const P> places, std::span<const std::uint32_t> numbers) {
-    auto min = coordinates(places[numbers[0]]), max = min;
+std::size_t longest_axis(std::span<const P> positions, std::span<const std::uint32_t> numbers) {
+    auto min = coordinates(positions[numbers[0]]), max = min;
     for (const std::uint32_t i : numbers) {
-        const auto each = coordinates(places[i]);
+        const auto each = coordinates(positions[i]);
         for (std::size_t axis = 0; axis < each.size(); ++axis) {
             min[axis] = std::min(min[axis], each[axis]);
             max[axis] = std::max(max[axis], each[axis]);
@@ -215,24 +215,25 @@ public:
     /// Sorts points by region.
     /// @param order  permutation of the points; reordered such that the points of each region are successive
     template <class P>
-    Regions(std::span<const P> places, std::vector<std::uint32_t>& order) {
+    Regions(std::span<const P> positions, std::vector<std::uint32_t>& order) {
         while ((order.size() >> depth_) >= 2 * kMinRegionPoints) ++depth_;
         sizes_.resize(std::size_t{2} << depth_);
-        divide(places, order, 1, 0);
-        left_ = sizes_;
+        divide(positions, order, 1, 0);
+        remaining_ = sizes_;
     }
 
-    /// Returns the depth at which regions have enough points to choose from, if `left` points remain in the domain.
-    int depth(std::size_t left) const {
+    /// Returns the depth at which regions have enough points to choose from, if `remaining` points remain in the
+    /// domain.
+    int depth(std::size_t remaining) const {
         int depth = 0;
-        while (depth < depth_ && (left >> (depth + 1)) >= kMinRegionPoints) ++depth;
+        while (depth < depth_ && (remaining >> (depth + 1)) >= kMinRegionPoints) ++depth;
         return depth;
     }
 
     /// Returns the number of remaining points in each region of a depth.
-    std::span<const std::uint32_t> left(int depth) const {
+    std::span<const std::uint32_t> remaining(int depth) const {
         const std::size_t count = std::size_t{1} << depth;
-        return std::span(left_).subspan(count, count);
+        return std::span(remaining_).subspan(count, count);
     }
 
     /// Returns the region of a depth that loses the next point: at each level, the half with the larger share of
@@ -241,8 +242,8 @@ public:
         std::size_t region = 1;
         for (int i = 0; i < depth; ++i) {
             const std::size_t first = 2 * region, second = first + 1;
-            const std::uint64_t a = std::uint64_t{left_[first]} * sizes_[second];
-            const std::uint64_t b = std::uint64_t{left_[second]} * sizes_[first];
+            const std::uint64_t a = std::uint64_t{remaining_[first]} * sizes_[second];
+            const std::uint64_t b = std::uint64_t{remaining_[second]} * sizes_[first];
             region = a > b || (a == b && is_first(region)) ? first : second;
         }
         return region - (std::size_t{1} << depth);
@@ -250,34 +251,34 @@ public:
 
     /// Counts the removal of a point from a region of a depth, whether or not the region was the next in turn.
     void count_removal(int depth, std::size_t region) {
-        for (region += std::size_t{1} << depth; region > 0; region /= 2) --left_[region];
+        for (region += std::size_t{1} << depth; region > 0; region /= 2) --remaining_[region];
     }
 
 private:
     /// Chooses pseudo-randomly between two halves with equal shares, so that neither loses points systematically.
     bool is_first(std::size_t region) const {
-        std::uint64_t bits = (region << 32 | left_[region]) * 0x9e3779b97f4a7c15;
+        std::uint64_t bits = (region << 32 | remaining_[region]) * 0x9e3779b97f4a7c15;
         bits = (bits ^ bits >> 32) * 0xd6e8feb86659fd93;
         return (bits >> 63) != 0;
     }
 
     template <class P>
-    void divide(std::span<const P> places, std::span<std::uint32_t> order, std::size_t region, int depth) {
+    void divide(std::span<const P> positions, std::span<std::uint32_t> order, std::size_t region, int depth) {
         sizes_[region] = static_cast<std::uint32_t>(order.size());
         if (depth == depth_) return;
-        const std::size_t axis = longest_axis<P>(places, order);
-        const auto position = [&](std::uint32_t i) { return along(places[i], axis); };
+        const std::size_t axis = longest_axis<P>(positions, order);
+        const auto position = [&](std::uint32_t i) { return along(positions[i], axis); };
         const std::size_t half = order.size() / 2;
         std::ranges::nth_element(
             order, order.begin() + static_cast<std::ptrdiff_t>(half),
             [&](std::uint32_t i, std::uint32_t j) { return std::pair(position(i), i) < std::pair(position(j), j); });
-        divide(places, order.first(half), 2 * region, depth + 1);
-        divide(places, order.subspan(half), 2 * region + 1, depth + 1);
+        divide(positions, order.first(half), 2 * region, depth + 1);
+        divide(positions, order.subspan(half), 2 * region + 1, depth + 1);
     }
 
     int depth_ = 0;
     std::vector<std::uint32_t> sizes_;  ///< [2 << depth_] initial points; the halves of region i are 2 i and 2 i + 1
-    std::vector<std::uint32_t> left_;   ///< [2 << depth_] remaining points
+    std::vector<std::uint32_t> remaining_;  ///< [2 << depth_] remaining points
 };
 
 /// Measures the surplus of points around a point: the actual number minus the wanted number, both smoothed by quadratic
@@ -289,7 +290,7 @@ public:
     /// @param reference  points with the wanted density, up to a common factor
     /// @param points     actual points, numbered from 0
     /// @param distance   distance of nodes
-    Surplus(const Frame<P>& frame, std::span<const P> reference, std::span<const P> points, double distance)
+    Surplus(const PointBox<P>& frame, std::span<const P> reference, std::span<const P> points, double distance)
         : is_torus_(frame.is_torus),
           factor_(kInSpace<P> && !frame.is_solid ? kSpaceFactor : 1),
           x_(frame.sides.x, distance, is_torus_),
@@ -339,11 +340,11 @@ private:
               period(torus ? nodes - 2 : nodes) {}
 
         /// Returns the cell of a position.
-        /// @param place  position as a length on entry; on return the offset in the cell, in units of cells
-        std::size_t cell(double& place) const {
-            place = std::clamp(place * cells_per_length, 0.0, cells);
-            const double cell = std::min(std::floor(place), cells - 1);
-            place -= cell;
+        /// @param position  position as a length on entry; on return the offset in the cell, in units of cells
+        std::size_t cell(double& position) const {
+            position = std::clamp(position * cells_per_length, 0.0, cells);
+            const double cell = std::min(std::floor(position), cells - 1);
+            position -= cell;
             return static_cast<std::size_t>(cell);
         }
 
@@ -483,7 +484,7 @@ struct NearPairs {
 /// Crowding of points, computed for eight points at a time. Points are listed by cell, so neighbours are close in
 /// memory.
 template <class P>
-class Crowd {
+class Crowding {
 public:
     /// Two points that are near each other.
     struct Pair {
@@ -494,13 +495,13 @@ public:
     /// @param reaches  [n] distance within which other points crowd each point
     /// @param widest   limit on the reach of a pair of points, relative to the reach of either point
     /// @param listed   describes the pairs to list
-    Crowd(const Frame<P>& frame, const Points<P>& points, std::span<const double> reaches, double widest,
-          const NearPairs& listed, Executor& executor, const std::stop_token& stop)
+    Crowding(const PointBox<P>& frame, const Points<P>& points, std::span<const double> reaches, double widest,
+             const NearPairs& listed, Executor& executor, const std::stop_token& stop)
         : is_solid_(frame.is_solid),
           listed_(listed),
-          cells_(frame.cells(points.places)),
+          cells_(frame.cells(points.positions)),
           numbers_(cells_.numbers()),
-          places_(points.places),
+          positions_(points.positions),
           reaches_(reaches),
           widest_(widest),
           slots_(points.size()),
@@ -515,9 +516,9 @@ public:
         for (std::uint32_t k = 0; k < numbers_.size(); ++k) {
             const std::uint32_t i = numbers_[k];
             slots_[i] = k;
-            const auto place = coordinates(places_[i]);
+            const auto position = coordinates(positions_[i]);
             for (std::size_t axis = 0; axis < sides.size(); ++axis) {
-                const double of_range = place[axis] / sides[axis] * range;
+                const double of_range = position[axis] / sides[axis] * range;
                 coordinates_[axis][k] = static_cast<std::uint32_t>(static_cast<std::int64_t>(of_range));
             }
             for (std::size_t axis = 0; has_normals_ && axis < normals_.size(); ++axis)
@@ -565,7 +566,7 @@ private:
 
     void find_near(std::uint32_t k, double share, Runs& runs) const {
         const std::uint32_t i = numbers_[k];
-        cells_.find_near(places_[i], share * widest_ * reaches_[i], runs);
+        cells_.find_near(positions_[i], share * widest_ * reaches_[i], runs);
     }
 
     /// Computes, for the eight points from list position `begin` on, the squared ratio of their distance from point k
@@ -585,8 +586,8 @@ private:
         const Floats own = Floats{} + nearness_[k];
         const Floats nearer = other > own ? other : own, capped = nearer * nearer * kMaxSquare, both = other * own;
         const Floats square = distance * (scale > 0 ? Floats{} + scale : both > capped ? both : capped);
-        const Ints left = EightLanes::from(begin);
-        Ints counts = (left < static_cast<std::int32_t>(end)) & (left != static_cast<std::int32_t>(k));
+        const Ints remaining = EightLanes::from(begin);
+        Ints counts = (remaining < static_cast<std::int32_t>(end)) & (remaining != static_cast<std::int32_t>(k));
         if (kInSpace<P> && has_normals_) {
             Floats facing{};
             for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -600,10 +601,12 @@ private:
     }
 
     CCDT_INLINE static void get_crowding(const Floats& squares, Floats& crowding) {
-        const Floats left = squares < 1 ? 1 - squares : Floats{}, square = left * left;
+        const Floats remaining = squares < 1 ? 1 - squares : Floats{}, square = remaining * remaining;
         const Floats factor =
-            kCrowding[0] + left * (kCrowding[1] + left * (kCrowding[2] + left * (kCrowding[3] + left * kCrowding[4])));
-        crowding = square * square * left * factor;
+            kCrowding[0] +
+            remaining *
+                (kCrowding[1] + remaining * (kCrowding[2] + remaining * (kCrowding[3] + remaining * kCrowding[4])));
+        crowding = square * square * remaining * factor;
     }
 
     /// Computes the crowding of point k by the points in `runs`.
@@ -645,7 +648,8 @@ private:
     void find_pairs(std::uint32_t k, std::vector<Pair>& pairs) const {
         const std::uint32_t i = numbers_[k];
         Runs runs;
-        cells_.find_near(places_[i], std::sqrt(listed_.square) * listed_.reach.value_or(widest_ * reaches_[i]), runs);
+        cells_.find_near(positions_[i], std::sqrt(listed_.square) * listed_.reach.value_or(widest_ * reaches_[i]),
+                         runs);
         for (const auto [begin, end] : runs) {
             for (std::uint32_t each = begin; each < end; each += kLanes) {
                 Floats squares;
@@ -665,7 +669,7 @@ private:
     float scale_ = 0;  ///< squared ratio of the first point's reach to listed_.reach; 0 if there is none
     BasicCellList<P> cells_;
     std::vector<std::uint32_t> numbers_;  ///< numbers of the points in list order
-    std::span<const P> places_;
+    std::span<const P> positions_;
     std::span<const double> reaches_;
     double widest_;
     std::vector<std::uint32_t> slots_;  ///< list position of each point
@@ -687,7 +691,7 @@ class Elimination {
 public:
     /// @param even     whether all spacings are equal
     /// @param uniform  whether the density is uniform
-    Elimination(const Frame<P>& frame, Points<P> points, std::vector<double> spacings, bool even, bool uniform,
+    Elimination(const PointBox<P>& frame, Points<P> points, std::vector<double> spacings, bool even, bool uniform,
                 Regions regions, Executor& executor)
         : frame_(frame),
           points_(std::move(points)),
@@ -695,57 +699,57 @@ public:
           widest_(even ? 1 : kMaxReach),
           uniform_(uniform),
           regions_(std::move(regions)),
-          left_(points_.size()),
-          reference_(points_.places),
+          remaining_(points_.size()),
+          reference_(points_.positions),
           executor_(executor) {
-        std::iota(left_.begin(), left_.end(), 0U);
+        std::iota(remaining_.begin(), remaining_.end(), 0U);
     }
 
     /// Runs a step.
     /// @returns  the removed points, in order of removal
     std::vector<std::uint32_t> step(const std::stop_token& stop) {
-        target_ = static_cast<std::size_t>(static_cast<double>(left_.size()) * kStep);
+        target_ = static_cast<std::size_t>(static_cast<double>(remaining_.size()) * kStep);
         set_neighbours(stop);
-        depth_ = regions_.depth(left_.size());
+        depth_ = regions_.depth(remaining_.size());
         begins_ = {0};
-        for (const std::uint32_t count : regions_.left(depth_)) begins_.push_back(begins_.back() + count);
-        std::vector<std::uint32_t> gone;
-        gone.reserve(left_.size() - target_);
-        while (gone.size() < left_.size() - target_) {
-            if (gone.size() % kStopStride == 0 && stop.stop_requested()) break;
-            const std::uint32_t i = next(left_.size() - gone.size() - 1);
+        for (const std::uint32_t count : regions_.remaining(depth_)) begins_.push_back(begins_.back() + count);
+        std::vector<std::uint32_t> removed;
+        removed.reserve(remaining_.size() - target_);
+        while (removed.size() < remaining_.size() - target_) {
+            if (removed.size() % kStopStride == 0 && stop.stop_requested()) break;
+            const std::uint32_t i = next(remaining_.size() - removed.size() - 1);
             remove(i);
-            gone.push_back(left_[i]);
+            removed.push_back(remaining_[i]);
         }
         keep_rest();
-        return gone;
+        return removed;
     }
 
-    const std::vector<std::uint32_t>& left() const { return left_; }
+    const std::vector<std::uint32_t>& remaining() const { return remaining_; }
 
 private:
     void set_neighbours(const std::stop_token& stop) {
         const double share = std::max(static_cast<double>(target_), 1.0) / static_cast<double>(points_.size());
         const double reach = kReach * frame_.densest(share);
-        near_ = points_.selected(left_);
+        near_ = points_.selected(remaining_);
         reaches_.clear();
-        for (const std::uint32_t i : left_) reaches_.push_back(reach * spacings_[i]);
+        for (const std::uint32_t i : remaining_) reaches_.push_back(reach * spacings_[i]);
         NearPairs listed{{}, 1, static_cast<double>(target_) * frame_.part_of(kMinDistance / kReach)};
         if (uniform_) listed.reach = reach * frame_.usual_spacing(points_.size());
         if (const std::size_t last = last_planned(target_); last > 0)
             listed.square = std::min(1.0, std::pow(frame_.side_of(listed.points / static_cast<double>(last)), 2));
         crowd_.emplace(frame_, near_, reaches_, widest_, listed, executor_, stop);
         next_pair_ = 0;
-        next_plan_ = left_.size();
-        is_there_.assign(left_.size(), 1);
-        if (reference_.size() > kMaxReferenceRatio * left_.size()) {
-            sparse_ = near_.places;
+        next_plan_ = remaining_.size();
+        is_present_.assign(remaining_.size(), 1);
+        if (reference_.size() > kMaxReferenceRatio * remaining_.size()) {
+            sparse_ = near_.positions;
             reference_ = sparse_;
         }
-        surplus_.emplace(frame_, reference_, near_.places, node_distance());
-        bounds_.resize(left_.size() + kLanes);
-        wanted_.resize(left_.size() + kLanes);
-        for_ranges(executor_, left_.size(), kStopStride, [&](std::size_t begin, std::size_t end) {
+        surplus_.emplace(frame_, reference_, near_.positions, node_distance());
+        bounds_.resize(remaining_.size() + kLanes);
+        wanted_.resize(remaining_.size() + kLanes);
+        for_ranges(executor_, remaining_.size(), kStopStride, [&](std::size_t begin, std::size_t end) {
             for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
                 wanted_[i] = kSurplusWeight * surplus_->wanted(i);
                 bounds_[i] = without_wanted(i);
@@ -755,9 +759,10 @@ private:
 
     /// Returns the distance of the surplus' grid nodes: so large that the nodes hardly outnumber the points.
     double node_distance() const {
-        const double stay = std::max(static_cast<double>(target_), 1.0), left = static_cast<double>(left_.size());
-        return std::max({kNodeDistance * frame_.densest(stay / frame_.size), cell_side(frame_.sides, left),
-                         std::ranges::max(coordinates(frame_.sides)) / left});
+        const double stay = std::max(static_cast<double>(target_), 1.0),
+                     remaining = static_cast<double>(remaining_.size());
+        return std::max({kNodeDistance * frame_.densest(stay / frame_.size), cell_side(frame_.sides, remaining),
+                         std::ranges::max(coordinates(frame_.sides)) / remaining});
     }
 
     /// Returns the number of points that remain after the removals that are planned while `stay` points remain. If
@@ -766,21 +771,21 @@ private:
         return uniform_ ? stay - std::min(stay, 1 + stay / kPlanRatio) : stay;
     }
 
-    bool is_there(const typename Crowd<P>::Pair& pair) const {
-        return is_there_[pair.i] != 0 && is_there_[pair.j] != 0;
+    bool is_there(const typename Crowding<P>::Pair& pair) const {
+        return is_present_[pair.i] != 0 && is_present_[pair.j] != 0;
     }
 
     /// Returns the point to remove next, after which `stay` points remain. If the nearest pair must be separated,
     /// returns one of its points. Otherwise returns the point with the largest excess in the region that is next in
     /// turn.
     std::uint32_t next(std::size_t stay) {
-        const auto left = static_cast<float>(stay + 1);
+        const auto remaining = static_cast<float>(stay + 1);
         if (must_separate(stay)) {
             const auto [limit, i, j] = crowd_->pairs()[next_pair_];
-            return excess(i, left) > excess(j, left) ? i : j;
+            return excess(i, remaining) > excess(j, remaining) ? i : j;
         }
         const std::size_t region = regions_.next_region(depth_);
-        return most_crowded(begins_[region], begins_[region + 1], left);
+        return most_crowded(begins_[region], begins_[region + 1], remaining);
     }
 
     /// Whether the next removal, after which `stay` points remain, must separate the nearest pair. It must if the pair
@@ -812,33 +817,33 @@ private:
     }
 
     float without_wanted(std::uint32_t i) const { return (*crowd_)(i) + kSurplusWeight * surplus_->actual(i); }
-    float excess(std::uint32_t i, float left) const { return without_wanted(i) - left * wanted_[i]; }
+    float excess(std::uint32_t i, float remaining) const { return without_wanted(i) - remaining * wanted_[i]; }
 
     /// Returns the point in [begin, end) with the largest excess. The excess of a point is the crowding by near points
     /// plus the weighted surplus. `bounds_` stores earlier values of the excess without the wanted part of the surplus.
     /// A step only removes points, so these values never increase, and outdated ones are still upper bounds.
-    /// @param left  number of points that remain in the domain
-    std::uint32_t most_crowded(std::uint32_t begin, std::uint32_t end, float left) {
+    /// @param remaining  number of points that remain in the domain
+    std::uint32_t most_crowded(std::uint32_t begin, std::uint32_t end, float remaining) {
         Ints found;
-        with_lanes([&](auto) CCDT_INLINE { find_largest(begin, end, left, found); });
+        with_lanes([&](auto) CCDT_INLINE { find_largest(begin, end, remaining, found); });
         std::uint32_t most = begin;
         float largest = kNone;
         const auto look_at = [&](std::uint32_t i) {
             bounds_[i] = without_wanted(i);
-            const float own = bounds_[i] - left * wanted_[i];
+            const float own = bounds_[i] - remaining * wanted_[i];
             if (own < largest || (own == largest && i > most)) return;
             largest = own;
             most = i;
         };
         for (std::uint32_t lane = 0; lane < kLanes; ++lane) look_at(static_cast<std::uint32_t>(found[lane]));
         for (std::uint32_t i = begin; i < end; ++i) {
-            if (bounds_[i] - left * wanted_[i] > largest) look_at(i);
+            if (bounds_[i] - remaining * wanted_[i] > largest) look_at(i);
         }
         return most;
     }
 
     /// Finds, for each lane, the point with the largest upper bound of its excess. A lane has every eighth point.
-    CCDT_INLINE void find_largest(std::uint32_t begin, std::uint32_t end, float left, Ints& found) const {
+    CCDT_INLINE void find_largest(std::uint32_t begin, std::uint32_t end, float remaining, Ints& found) const {
         Floats most = Floats{} + kNone;
         found = Ints{} + static_cast<std::int32_t>(begin);
         for (std::uint32_t i = begin; i < end; i += kLanes) {
@@ -846,7 +851,7 @@ private:
             Floats bounds, wanted;
             EightLanes::load(bounds_[i], bounds);
             EightLanes::load(wanted_[i], wanted);
-            const Floats bound = bounds - left * wanted;
+            const Floats bound = bounds - remaining * wanted;
             const Ints more = (bound > most) & (each < static_cast<std::int32_t>(end));
             most = more ? bound : most;
             found = more ? each : found;
@@ -854,7 +859,7 @@ private:
     }
 
     void remove(std::uint32_t i) {
-        is_there_[i] = 0;
+        is_present_[i] = 0;
         bounds_[i] = kNone;
         crowd_->remove(i);
         surplus_->remove(i);
@@ -864,19 +869,19 @@ private:
 
     void keep_rest() {
         std::size_t kept = 0;
-        for (std::size_t i = 0; i < left_.size(); ++i) {
-            if (is_there_[i] != 0) left_[kept++] = left_[i];
+        for (std::size_t i = 0; i < remaining_.size(); ++i) {
+            if (is_present_[i] != 0) remaining_[kept++] = remaining_[i];
         }
-        left_.resize(kept);
+        remaining_.resize(kept);
     }
 
-    Frame<P> frame_;
+    PointBox<P> frame_;
     Points<P> points_;              ///< [n] in the frame
     std::vector<double> spacings_;  ///< [n] local spacings
     double widest_;                 ///< limit on the reach of a pair relative to a point's own reach
     bool uniform_;
     Regions regions_;
-    std::vector<std::uint32_t> left_;
+    std::vector<std::uint32_t> remaining_;
     std::span<const P> reference_;  ///< places of points that represent the wanted density
     std::vector<P> sparse_;         ///< storage for reference_, except while reference_ refers to points_
     Executor& executor_;
@@ -887,8 +892,8 @@ private:
     std::vector<std::uint32_t> begins_;  ///< start of each region
     Points<P> near_;
     std::vector<double> reaches_;
-    std::optional<Crowd<P>> crowd_;
-    std::vector<std::uint8_t> is_there_;
+    std::optional<Crowding<P>> crowd_;
+    std::vector<std::uint8_t> is_present_;
     std::optional<Surplus<P>> surplus_;
     std::vector<float> wanted_;  ///< wanted part of the weighted surplus, divided by the number of remaining points
     std::vector<float> bounds_;  ///< upper bounds of the excess without its wanted part
@@ -904,13 +909,13 @@ private:
 ///                 differences are due to chance. In a solid domain, they are 0.94 to 0.97 times the usual one on
 ///                 average, far from the border, because 12 neighbours form a complete shell
 template <class P>
-std::vector<double> spacings_of(const Frame<P>& frame, const Points<P>& points, bool even, bool uniform,
+std::vector<double> spacings_of(const PointBox<P>& frame, const Points<P>& points, bool even, bool uniform,
                                 Executor& executor, const std::stop_token& stop) {
     constexpr double kByChance = 1.1;
     const double usual = frame.usual_spacing(points.size());
     std::vector<double> spacings(points.size(), usual);
     if (even) return spacings;
-    const BasicCellList<P> near = frame.cells(points.places);
+    const BasicCellList<P> near = frame.cells(points.positions);
     for_ranges(executor, points.size(), kStopStride, [&](std::size_t begin, std::size_t end) {
         if (stop.stop_requested()) return;
         SpacingMeter<P> meter(frame, points, near, usual);
@@ -936,42 +941,43 @@ constexpr double kMinSide = 1e-9;
 
 /// Orders points of a frame progressively.
 template <class P>
-std::vector<std::uint32_t> order_points(const Frame<P>& frame, const Points<P>& unsorted, bool even, bool uniform,
+std::vector<std::uint32_t> order_points(const PointBox<P>& frame, const Points<P>& unsorted, bool even, bool uniform,
                                         const std::stop_token& stop, Executor& executor) {
     std::vector<std::uint32_t> order;
     if (unsorted.size() == 0) return order;
     std::vector<std::uint32_t> numbers(unsorted.size());
     std::iota(numbers.begin(), numbers.end(), 0U);
-    Regions regions(std::span<const P>(unsorted.places), numbers);
+    Regions regions(std::span<const P>(unsorted.positions), numbers);
     Points<P> points = unsorted.selected(numbers);
     std::vector<double> spacings = spacings_of(frame, points, even, uniform, executor, stop);
 
     Elimination<P> elimination(frame, std::move(points), std::move(spacings), even, uniform, std::move(regions),
                                executor);
-    while (elimination.left().size() > 1 && !stop.stop_requested()) {
-        const std::vector<std::uint32_t> gone = elimination.step(stop);
-        order.insert(order.end(), gone.begin(), gone.end());
+    while (elimination.remaining().size() > 1 && !stop.stop_requested()) {
+        const std::vector<std::uint32_t> removed = elimination.step(stop);
+        order.insert(order.end(), removed.begin(), removed.end());
     }
-    order.insert(order.end(), elimination.left().begin(), elimination.left().end());
+    order.insert(order.end(), elimination.remaining().begin(), elimination.remaining().end());
     std::ranges::reverse(order);
     for (std::uint32_t& each : order) each = numbers[each];
     return order;
 }
 
-std::vector<std::uint32_t> order_places(const Domain& domain, std::vector<Point> places, bool uniform,
-                                        const std::stop_token& stop, Executor& executor) {
-    const Frame<Point> frame{domain.unit_bounds().max, domain.unit_area(), domain.is_torus(), false, &domain};
-    return order_points<Point>(frame, {std::move(places), {}}, uniform && domain.is_torus(), uniform, stop, executor);
+std::vector<std::uint32_t> order_positions(const Domain& domain, std::vector<Point> positions, bool uniform,
+                                           const std::stop_token& stop, Executor& executor) {
+    const PointBox<Point> frame{domain.unit_bounds().max, domain.unit_area(), domain.is_torus(), false, &domain};
+    return order_points<Point>(frame, {std::move(positions), {}}, uniform && domain.is_torus(), uniform, stop,
+                               executor);
 }
 
 }  // namespace
 
 std::vector<std::uint32_t> progressive_order(const Domain& domain, std::span<const Point> points, bool uniform,
                                              const std::stop_token& stop, Executor& executor) {
-    std::vector<Point> places;
-    places.reserve(points.size());
-    for (const Point p : points) places.push_back(domain.to_unit(p));
-    return order_places(domain, std::move(places), uniform, stop, executor);
+    std::vector<Point> positions;
+    positions.reserve(points.size());
+    for (const Point p : points) positions.push_back(domain.to_unit(p));
+    return order_positions(domain, std::move(positions), uniform, stop, executor);
 }
 
 std::vector<std::uint32_t> progressive_order_on_globe(std::span<const Point> points, const std::stop_token& stop,
@@ -985,18 +991,18 @@ std::vector<std::uint32_t> progressive_order_on_globe(std::span<const Point> poi
         sum = sum + directions.back();
     }
     const Chart chart(normalised(sum));
-    std::vector<Point> places;
-    places.reserve(points.size());
+    std::vector<Point> positions;
+    positions.reserve(points.size());
     for (const Direction d : directions) {
         const Point p = chart.to_plane(d);
-        places.push_back({clamped(p.x), clamped(p.y)});
+        positions.push_back({clamped(p.x), clamped(p.y)});
     }
-    Box box{places.front(), places.front()};
-    for (const Point p : places) box.include(p);
+    Box box{positions.front(), positions.front()};
+    for (const Point p : positions) box.include(p);
     const double side = std::max({box.width(), box.height(), kMinSide});
     const Domain square = Domain::rectangle(side, side).value();
-    for (Point& p : places) p = square.to_unit(p - box.min);
-    return order_places(square, std::move(places), false, stop, executor);
+    for (Point& p : positions) p = square.to_unit(p - box.min);
+    return order_positions(square, std::move(positions), false, stop, executor);
 }
 
 std::vector<std::uint32_t> progressive_order_on_surface(std::span<const Point3> points, std::span<const Point3> normals,
@@ -1006,11 +1012,11 @@ std::vector<std::uint32_t> progressive_order_on_surface(std::span<const Point3> 
     if (points.empty()) return {};
     const Box3 box = bounds_of(points);
     const Point3 sides = box.max - box.min;
-    const Frame<Point3> frame{{std::max(sides.x, kMinSide), std::max(sides.y, kMinSide), std::max(sides.z, kMinSide)},
-                              area};
+    const PointBox<Point3> frame{
+        {std::max(sides.x, kMinSide), std::max(sides.y, kMinSide), std::max(sides.z, kMinSide)}, area};
     Points<Point3> moved{{}, {normals.begin(), normals.end()}};
-    moved.places.reserve(points.size());
-    for (const Point3 p : points) moved.places.push_back(p - box.min);
+    moved.positions.reserve(points.size());
+    for (const Point3 p : points) moved.positions.push_back(p - box.min);
     return order_points(frame, moved, uniform && closed, uniform, stop, executor);
 }
 
@@ -1020,11 +1026,11 @@ std::vector<std::uint32_t> progressive_order_in_space(const Box3& box, bool is_t
     const Point3 sides = box.max - box.min;
     const double scale = std::max({sides.x, sides.y, sides.z});
     const Point3 unit{sides.x / scale, sides.y / scale, sides.z / scale};
-    const Frame<Point3> frame{unit, share * unit.x * unit.y * unit.z, is_torus, true};
+    const PointBox<Point3> frame{unit, share * unit.x * unit.y * unit.z, is_torus, true};
     Points<Point3> moved;
     for (const Point3 p : points) {
         const Point3 q = p - box.min;
-        moved.places.push_back({q.x / scale, q.y / scale, q.z / scale});
+        moved.positions.push_back({q.x / scale, q.y / scale, q.z / scale});
     }
     return order_points(frame, moved, uniform && is_torus, uniform, stop, executor);
 }

@@ -20,11 +20,11 @@ void permute(std::vector<AnyPoint>& points, std::span<const std::uint32_t> order
 /// @param polygons  lists of indices of vertices, the first order.size() of which are points
 template <class Polygons>
 void renumber(Polygons& polygons, std::span<const std::uint32_t> order) {
-    std::vector<std::uint32_t> places(order.size());
-    for (std::uint32_t i = 0; i < order.size(); ++i) places[order[i]] = i;
+    std::vector<std::uint32_t> positions(order.size());
+    for (std::uint32_t i = 0; i < order.size(); ++i) positions[order[i]] = i;
     for (auto& polygon : polygons) {
         for (std::uint32_t& vertex : polygon) {
-            if (vertex < places.size()) vertex = places[vertex];
+            if (vertex < positions.size()) vertex = positions[vertex];
         }
     }
 }

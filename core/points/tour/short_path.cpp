@@ -113,17 +113,17 @@ private:
 /// A closed tour, stored as an array.
 class Tour {
 public:
-    explicit Tour(std::uint32_t size) : stops_(size), places_(size) {
+    explicit Tour(std::uint32_t size) : stops_(size), positions_(size) {
         std::iota(stops_.begin(), stops_.end(), 0U);
-        std::iota(places_.begin(), places_.end(), 0U);
+        std::iota(positions_.begin(), positions_.end(), 0U);
     }
 
     std::uint32_t size() const { return static_cast<std::uint32_t>(stops_.size()); }
-    Stop next(Stop stop) const { return at(places_[stop] + 1); }
-    Stop previous(Stop stop) const { return at(places_[stop] + size() - 1); }
+    Stop next(Stop stop) const { return at(positions_[stop] + 1); }
+    Stop previous(Stop stop) const { return at(positions_[stop] + size() - 1); }
 
     /// Number of steps forward from one stop to another.
-    std::uint32_t steps(Stop from, Stop to) const { return wrapped(places_[to] + size() - places_[from]); }
+    std::uint32_t steps(Stop from, Stop to) const { return wrapped(positions_[to] + size() - positions_[from]); }
 
     /// Reverses the order of the stops from `first` forward to `last`.
     /// @returns  false if that would move too many stops; the tour is then unchanged
@@ -136,8 +136,8 @@ public:
             inner = size() - inner;
         }
         if (inner > kMaxChange) return false;
-        std::uint32_t i = places_[first];
-        std::uint32_t j = places_[last];
+        std::uint32_t i = positions_[first];
+        std::uint32_t j = positions_[last];
         for (std::uint32_t k = 0; k < inner / 2; ++k) {
             const Stop left = stops_[i];
             put(stops_[j], i);
@@ -156,35 +156,36 @@ public:
     /// @returns       false if that would move too many stops; the tour is then unchanged
     bool move(Stop first, std::uint32_t length, Stop after, bool turned) {
         std::array<Stop, kMaxRun> run{};
-        for (std::uint32_t i = 0; i < length; ++i) run[i] = at(places_[first] + i);
+        for (std::uint32_t i = 0; i < length; ++i) run[i] = at(positions_[first] + i);
         const std::uint32_t ahead = steps(run[length - 1], after);
         const std::uint32_t behind = size() - length - ahead;
         if (std::min(ahead, behind) > kMaxChange) return false;
-        std::uint32_t place = places_[first];
+        std::uint32_t position = positions_[first];
         if (ahead <= behind) {
-            for (std::uint32_t k = 0; k < ahead; ++k, place = wrapped(place + 1)) put(at(place + length), place);
+            for (std::uint32_t k = 0; k < ahead; ++k, position = wrapped(position + 1))
+                put(at(position + length), position);
         } else {
             for (std::uint32_t k = 0; k < behind; ++k) {
-                place = wrapped(place + size() - 1);
-                put(stops_[place], wrapped(place + length));
+                position = wrapped(position + size() - 1);
+                put(stops_[position], wrapped(position + length));
             }
         }
         if (turned) std::reverse(run.begin(), run.begin() + length);
-        for (std::uint32_t i = 0; i < length; ++i) put(run[i], wrapped(place + i));
+        for (std::uint32_t i = 0; i < length; ++i) put(run[i], wrapped(position + i));
         return true;
     }
 
 private:
-    /// @param place  < 2 * size
-    std::uint32_t wrapped(std::uint32_t place) const { return place < size() ? place : place - size(); }
-    Stop at(std::uint32_t place) const { return stops_[wrapped(place)]; }
-    void put(Stop stop, std::uint32_t place) {
-        stops_[place] = stop;
-        places_[stop] = place;
+    /// @param position  < 2 * size
+    std::uint32_t wrapped(std::uint32_t position) const { return position < size() ? position : position - size(); }
+    Stop at(std::uint32_t position) const { return stops_[wrapped(position)]; }
+    void put(Stop stop, std::uint32_t position) {
+        stops_[position] = stop;
+        positions_[stop] = position;
     }
 
-    std::vector<Stop> stops_;            ///< stop at each position
-    std::vector<std::uint32_t> places_;  ///< position of each stop
+    std::vector<Stop> stops_;               ///< stop at each position
+    std::vector<std::uint32_t> positions_;  ///< position of each stop
 };
 
 /// A queue of stops whose surroundings have changed, without duplicates.

@@ -64,7 +64,7 @@ struct Kind {
 /// Memory to which libtiff writes.
 struct Output {
     std::string bytes;
-    std::size_t place = 0;
+    std::size_t position = 0;
 };
 
 std::string write_file(const Kind& kind, const std::function<bool(TIFF*)>& write) {
@@ -75,19 +75,22 @@ std::string write_file(const Kind& kind, const std::function<bool(TIFF*)>& write
         [](thandle_t handle, void* target, tmsize_t size) -> tmsize_t {
             Output& file = *static_cast<Output*>(handle);
             return static_cast<tmsize_t>(
-                file.bytes.copy(static_cast<char*>(target), static_cast<std::size_t>(size), file.place));
+                file.bytes.copy(static_cast<char*>(target), static_cast<std::size_t>(size), file.position));
         },
         [](thandle_t handle, void* source, tmsize_t size) {
             Output& file = *static_cast<Output*>(handle);
             const auto count = static_cast<std::size_t>(size);
-            if (file.bytes.size() < file.place + count) file.bytes.resize(file.place + count);
-            std::memcpy(file.bytes.data() + file.place, source, count);
-            file.place += count;
+            if (file.bytes.size() < file.position + count) file.bytes.resize(file.position + count);
+            std::memcpy(file.bytes.data() + file.position, source, count);
+            file.position += count;
             return size;
         },
         [](thandle_t handle, toff_t offset, int whence) -> toff_t {
             Output& file = *static_cast<Output*>(handle);
-            return file.place = (whence == SEEK_END ? file.bytes.size() : whence == SEEK_CUR ? file.place : 0) + offset;
+            return file.position = (whence == SEEK_END   ? file.bytes.size()
+                                    : whence == SEEK_CUR ? file.position
+                                                         : 0) +
+                                   offset;
         },
         [](thandle_t) { return 0; },
         [](thandle_t handle) -> toff_t { return static_cast<Output*>(handle)->bytes.size(); }, nullptr, nullptr);
@@ -344,11 +347,11 @@ double lightness_of(double luminance) {
 }
 
 /// Returns the index in the upright picture of a stored pixel.
-std::size_t place_of(int x, int y, int orientation, int width) {
+std::size_t position_of(int x, int y, int orientation, int width) {
     const int right = kWidth - 1 - x, bottom = kHeight - 1 - y;
-    const std::array<std::array<int, 2>, 8> places = {
+    const std::array<std::array<int, 2>, 8> positions = {
         {{x, y}, {right, y}, {right, bottom}, {x, bottom}, {y, x}, {bottom, x}, {bottom, right}, {y, right}}};
-    const auto [column, row] = places[static_cast<std::size_t>(orientation - 1)];
+    const auto [column, row] = positions[static_cast<std::size_t>(orientation - 1)];
     return static_cast<std::size_t>(row * width + column);
 }
 
@@ -365,7 +368,7 @@ void expect_scene(const Kind& kind, double tolerance = 1) {
     for (int y = 0; y < kHeight; ++y) {
         for (int x = 0; x < kWidth; ++x) {
             const Pixel pixel = make_pixel(kind, x, y);
-            const std::size_t i = place_of(x, y, kind.orientation, picture->width);
+            const std::size_t i = position_of(x, y, kind.orientation, picture->width);
             const std::array<float, 3> found = {picture->red[i], picture->green[i], picture->blue[i]};
             for (std::size_t channel = 0; channel < 3; ++channel) {
                 const double light = is_linear ? pixel.rgb[channel] : light_of(pixel.rgb[channel]);

@@ -18,9 +18,9 @@ Result<FeatureCounts> count(const std::string& features, const Counting& countin
     const auto document = JsonDocument::parse(R"({"type":"FeatureCollection","features":[)" + features + "]}");
     EXPECT_TRUE(document) << document.error().message;
     const FeatureSource source = *find_features({"/geometry", "/geometry", document->root()});
-    std::vector<std::optional<Point3>> places(source.features.size());
-    for (std::size_t i = without_place; i < places.size(); ++i) places[i] = {static_cast<double>(i), 0, 0};
-    return count_features(source, places, counting, limits, "/sites");
+    std::vector<std::optional<Point3>> positions(source.features.size());
+    for (std::size_t i = without_place; i < positions.size(); ++i) positions[i] = {static_cast<double>(i), 0, 0};
+    return count_features(source, positions, counting, limits, "/sites");
 }
 
 std::string feature(const std::string& properties, const std::string& more = "") {

@@ -46,16 +46,16 @@ TEST(PolygonTriangles, DividesConcavePolygonsInAnyPlane) {
     // A comb with seven teeth, forwards and backwards, in planes along each axis, near and far from the origin.
     for (const double origin : {0.0, 5e6}) {
         for (int axis = 0; axis < 6; ++axis) {
-            const auto place = [&](double u, double v) {
+            const auto position = [&](double u, double v) {
                 if (axis >= 3) std::swap(u, v);
                 Point3 p{u, v, 0};
                 if (axis % 3 == 1) p = {0, u, v};
                 if (axis % 3 == 2) p = {v, 0, u};
                 return p + Point3(origin, origin, origin);
             };
-            std::vector<Point3> comb{place(0, 0), place(13, 0)};
+            std::vector<Point3> comb{position(0, 0), position(13, 0)};
             for (int i = 13; i >= 0; --i) {
-                comb.push_back(place(i, i % 2 == 0 ? 10 : 1));
+                comb.push_back(position(i, i % 2 == 0 ? 10 : 1));
             }
             const Point3 normal = axis % 3 == 0 ? Point3(0, 0, 1) : axis % 3 == 1 ? Point3(1, 0, 0) : Point3(0, 1, 0);
             EXPECT_NEAR(area(comb, axis < 3 ? normal : -1.0 * normal), 13 * 5.5, 1e-6) << axis;

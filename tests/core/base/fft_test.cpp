@@ -263,7 +263,7 @@ TEST(CosineTransform, TransformsAnImpulseInSpaceToAProductOfCosines) {
     constexpr std::size_t kImpulse = (kZ * kRows + kY) * kColumns + kX;
     transform.grid()[kImpulse] = 1;
     transform.forward();
-    const auto cosine = [](int k, int place, int cells) { return 2 * std::cos(kPi * k * (place + 0.5) / cells); };
+    const auto cosine = [](int k, int position, int cells) { return 2 * std::cos(kPi * k * (position + 0.5) / cells); };
     for (int w = 0; w < kLayers; ++w) {
         for (int v = 0; v < kRows; ++v) {
             for (int u = 0; u < kColumns; ++u) {

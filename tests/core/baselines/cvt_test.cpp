@@ -18,15 +18,15 @@ constexpr int kCells = 300;
 
 /// Calls visit(nearest site, vector from it, column, row) for each cell centre of a fine grid over the unit square.
 template <class Visit>
-void for_each_place(const std::vector<Point>& sites, bool around, Visit&& visit) {
+void for_each_position(const std::vector<Point>& sites, bool around, Visit&& visit) {
     for (int j = 0; j < kCells; ++j) {
         for (int i = 0; i < kCells; ++i) {
-            const Point place{(i + 0.5) / kCells, (j + 0.5) / kCells};
+            const Point position{(i + 0.5) / kCells, (j + 0.5) / kCells};
             std::size_t owner = 0;
             Point shortest;
             double least = std::numeric_limits<double>::infinity();
             for (std::size_t s = 0; s < sites.size(); ++s) {
-                Point way = place - sites[s];
+                Point way = position - sites[s];
                 if (around) way = {way.x - std::round(way.x), way.y - std::round(way.y)};
                 if (dot(way, way) >= least) continue;
                 least = dot(way, way);
@@ -40,7 +40,7 @@ void for_each_place(const std::vector<Point>& sites, bool around, Visit&& visit)
 
 double energy(const std::vector<Point>& sites, bool around) {
     double sum = 0;
-    for_each_place(sites, around, [&](std::size_t, Point way, int, int) { sum += dot(way, way); });
+    for_each_position(sites, around, [&](std::size_t, Point way, int, int) { sum += dot(way, way); });
     return sum / (kCells * kCells);
 }
 
@@ -67,7 +67,7 @@ TEST(Cvt, MovesSitesToTheCentroidsOfTheirCells) {
         const auto points = cvt(domain, ramp, {.sites = 40, .seed = 3, .iterations = 300})->points;
         std::vector<Point> moments(points.size());
         std::vector<double> masses(points.size(), 0);
-        for_each_place(points, around, [&](std::size_t owner, Point way, int i, int j) {
+        for_each_position(points, around, [&](std::size_t owner, Point way, int i, int j) {
             const double weight = ramp.value(i, j) * ramp.value(i, j);
             moments[owner] = moments[owner] + weight * way;
             masses[owner] += weight;

@@ -57,7 +57,7 @@ std::vector<std::pair<std::string, Density>> densities() {
 
 TEST_P(Baselines, PlaceAllSitesStrictlyInside) {
     const Parts lshape{{test::l_shape(), {}}};
-    const std::vector<std::pair<std::string, Parts>> places = {
+    const std::vector<std::pair<std::string, Parts>> positions = {
         {"square", kSquare},
         {"L", lshape},
         {"U", {{test::u_shape(), {}}}},
@@ -68,21 +68,21 @@ TEST_P(Baselines, PlaceAllSitesStrictlyInside) {
         {"island in a hole", {{test::box(0, 0, 8, 8), {test::box(2, 2, 4, 4)}}, {test::box(3, 3, 1, 1), {}}}},
         {"far from the origin", test::moved(test::scaled(lshape, 64), {5e6, 4.5e6})},
         {"Switzerland", test::read_geojson("Switzerland-10m.geojson")}};
-    for (const auto& [place, parts] : places) {
+    for (const auto& [position, parts] : positions) {
         const Domain domain = domain_of(parts);
         for (const auto& [name, density] : densities()) {
             for (const std::size_t sites : {1, 2, 3, 10, 100}) {
                 const auto result = run(domain, density, {.sites = sites, .seed = 7 * sites, .iterations = 4});
                 if (!result) {
-                    EXPECT_EQ(result.error().code, ErrorCode::Unusable) << place << ", " << name;
-                    EXPECT_NE(name, "uniform") << place << ": " << result.error().message;
+                    EXPECT_EQ(result.error().code, ErrorCode::Unusable) << position << ", " << name;
+                    EXPECT_NE(name, "uniform") << position << ": " << result.error().message;
                     continue;
                 }
                 EXPECT_EQ(result->points.size(), sites);
-                EXPECT_EQ(test::count_outside(parts, result->points), 0u) << place << ", " << name << ", " << sites;
-                EXPECT_EQ(test::count_distinct(result->points), sites) << place << ", " << name << ", " << sites;
+                EXPECT_EQ(test::count_outside(parts, result->points), 0u) << position << ", " << name << ", " << sites;
+                EXPECT_EQ(test::count_distinct(result->points), sites) << position << ", " << name << ", " << sites;
                 EXPECT_EQ(result->trace.size(), static_cast<std::size_t>(result->iterations) + 1);
-                for (const double variation : result->trace) EXPECT_TRUE(std::isfinite(variation)) << place << name;
+                for (const double variation : result->trace) EXPECT_TRUE(std::isfinite(variation)) << position << name;
             }
         }
     }

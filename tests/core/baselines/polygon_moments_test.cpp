@@ -48,11 +48,11 @@ TEST(SquaredDensity, SquaresEachCell) {
 
 /// Computes the moments by a sum over the points of a fine grid.
 Moments sum_over(const std::vector<Point>& corners, const Density& density, Point from) {
-    constexpr int kPlaces = 1500;
+    constexpr int kPositions = 1500;
     Moments sum;
-    for (int j = 0; j < kPlaces; ++j) {
-        for (int i = 0; i < kPlaces; ++i) {
-            const Point p{(i + 0.5) / kPlaces, (j + 0.5) / kPlaces / 2};
+    for (int j = 0; j < kPositions; ++j) {
+        for (int i = 0; i < kPositions; ++i) {
+            const Point p{(i + 0.5) / kPositions, (j + 0.5) / kPositions / 2};
             bool inside = true;
             for (std::size_t k = 0; k < corners.size(); ++k) {
                 const Point a = corners[k], b = corners[(k + 1) % corners.size()];

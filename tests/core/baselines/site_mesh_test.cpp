@@ -59,10 +59,10 @@ TEST(SiteMesh, KeepsSitesInTheDomain) {
         SiteMesh sites = start(domain, uniform, 200);
         for (std::uint64_t round = 0; round < 10; ++round) {
             ASSERT_TRUE(sites.move(moved_at_random(sites, 1.0, round)));
-            std::vector<Point> places;
-            for (const Point& p : sites.sites()) places.push_back(domain.to_user(p));
-            EXPECT_EQ(test::count_outside(parts, places), 0u);
-            EXPECT_EQ(test::count_distinct(places), 200u);
+            std::vector<Point> positions;
+            for (const Point& p : sites.sites()) positions.push_back(domain.to_user(p));
+            EXPECT_EQ(test::count_outside(parts, positions), 0u);
+            EXPECT_EQ(test::count_distinct(positions), 200u);
             EXPECT_EQ(test::count_bad_links(sites.mesh()), 0u);
         }
     }

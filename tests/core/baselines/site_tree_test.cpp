@@ -46,21 +46,21 @@ TEST(SiteTree, FindsTheNearestSiteNotHidden) {
         for (const std::size_t count : {1, 2, 7, 100}) {
             const auto sites = sites_in(sides, count);
             SiteTree tree(sites, images);
-            std::set<std::uint32_t> left;
-            for (std::uint32_t i = 0; i < count; ++i) left.insert(i);
+            std::set<std::uint32_t> remaining;
+            for (std::uint32_t i = 0; i < count; ++i) remaining.insert(i);
             Random random(1, 0);
-            while (!left.empty()) {
+            while (!remaining.empty()) {
                 const double x = random.uniform() * sides.x;
-                const Point place{x, random.uniform() * sides.y};
-                const auto found = tree.nearest(place);
+                const Point position{x, random.uniform() * sides.y};
+                const auto found = tree.nearest(position);
                 ASSERT_TRUE(found) << name;
-                EXPECT_TRUE(left.contains(found->site)) << name;
+                EXPECT_TRUE(remaining.contains(found->site)) << name;
                 double least = 2;
-                for (const std::uint32_t i : left) least = std::min(least, distance(images, sites[i], place));
-                const Point way = found->place - place;
+                for (const std::uint32_t i : remaining) least = std::min(least, distance(images, sites[i], position));
+                const Point way = found->position - position;
                 EXPECT_NEAR(std::sqrt(dot(way, way)), least, 1e-15) << name;
-                EXPECT_NEAR(distance(images, sites[found->site], found->place), 0, 1e-15) << name;
-                left.erase(found->site);
+                EXPECT_NEAR(distance(images, sites[found->site], found->position), 0, 1e-15) << name;
+                remaining.erase(found->site);
                 tree.hide(found->site);
             }
             EXPECT_FALSE(tree.nearest({0, 0})) << name;
@@ -77,18 +77,18 @@ TEST(SiteTree, FindsAllSitesWithinADistance) {
         std::vector<SiteTree::Found> found;
         for (int i = 0; i < 100; ++i) {
             const double x = random.uniform() * sides.x;
-            const Point place{x, random.uniform() * sides.y};
+            const Point position{x, random.uniform() * sides.y};
             const double reach = 0.3 * random.uniform();
-            tree.within(place, reach, found);
+            tree.within(position, reach, found);
             std::set<std::uint32_t> sites_found, expected;
             for (const auto& [site, copy] : found) {
-                const Point way = copy - place;
+                const Point way = copy - position;
                 EXPECT_LE(dot(way, way), reach * reach) << name;
                 EXPECT_NEAR(distance(images, sites[site], copy), 0, 1e-15) << name;
                 sites_found.insert(site);
             }
             for (std::uint32_t s = 0; s < sites.size(); ++s) {
-                if (distance(images, sites[s], place) < reach) expected.insert(s);
+                if (distance(images, sites[s], position) < reach) expected.insert(s);
             }
             EXPECT_EQ(sites_found, expected) << name;
         }

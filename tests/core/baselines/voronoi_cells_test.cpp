@@ -27,8 +27,8 @@ struct Cells {
 
 Cells cells_of(const Domain& domain, const Density& density, std::size_t sites, Start start = Start::Random) {
     const auto mesh = SiteMesh::create(domain, density, {.sites = sites, .seed = sites, .start = start}, {}).value();
-    const std::vector<Point> places(mesh.sites().begin(), mesh.sites().end());
-    return {places, VoronoiCells(domain, mesh.mesh(), density).integrate(places, {})};
+    const std::vector<Point> positions(mesh.sites().begin(), mesh.sites().end());
+    return {positions, VoronoiCells(domain, mesh.mesh(), density).integrate(positions, {})};
 }
 
 TEST(VoronoiCells, FillTheDomain) {
@@ -45,23 +45,23 @@ TEST(VoronoiCells, FillTheDomain) {
 
 /// Returns for each site the sums over those points of a fine grid in the unit square that are nearest to it.
 std::vector<Moments> sums_of(const std::vector<Point>& sites, const Density& density, bool around) {
-    constexpr int kPlaces = 1000;
+    constexpr int kPositions = 1000;
     std::vector<Moments> sums(sites.size());
-    for (int j = 0; j < kPlaces; ++j) {
-        for (int i = 0; i < kPlaces; ++i) {
-            const Point place{(i + 0.5) / kPlaces, (j + 0.5) / kPlaces};
+    for (int j = 0; j < kPositions; ++j) {
+        for (int i = 0; i < kPositions; ++i) {
+            const Point position{(i + 0.5) / kPositions, (j + 0.5) / kPositions};
             std::size_t nearest = 0;
             Point shortest{2, 2};
             for (std::size_t s = 0; s < sites.size(); ++s) {
-                Point way = place - sites[s];
+                Point way = position - sites[s];
                 if (around) way = {way.x - std::round(way.x), way.y - std::round(way.y)};
                 if (dot(way, way) >= dot(shortest, shortest)) continue;
                 nearest = s;
                 shortest = way;
             }
             const double value = density.is_uniform() ? 1
-                                                      : density.value(static_cast<int>(place.x * density.width()),
-                                                                      static_cast<int>(place.y * density.height()));
+                                                      : density.value(static_cast<int>(position.x * density.width()),
+                                                                      static_cast<int>(position.y * density.height()));
             sums[nearest].mass += value * value;
             sums[nearest].first = sums[nearest].first + value * value * shortest;
         }

@@ -48,8 +48,8 @@ TEST(Density, IsInvariantUnderPowersOfTwo) {
 }
 
 TEST(Density, ScalesTheLargestValueNearOne) {
-    constexpr double kLeastDouble = 5e-324, kMaxDouble = std::numeric_limits<double>::max();
-    for (const double value : {kLeastDouble, 3e-310, 1e-300, 0.3, 1.0, 1.9999, 2.0, 1e100, kMaxDouble}) {
+    constexpr double kMinDouble = 5e-324, kMaxDouble = std::numeric_limits<double>::max();
+    for (const double value : {kMinDouble, 3e-310, 1e-300, 0.3, 1.0, 1.9999, 2.0, 1e100, kMaxDouble}) {
         const auto density = grid(2, 1, {0, value});
         ASSERT_TRUE(density) << value;
         EXPECT_GE(density->largest(), 1) << value;
@@ -60,8 +60,8 @@ TEST(Density, ScalesTheLargestValueNearOne) {
 }
 
 TEST(Density, TreatsNegligibleValuesAsZero) {
-    EXPECT_EQ(grid(2, 1, {Density::kLeast, 1})->value(0, 0), Density::kLeast);
-    EXPECT_EQ(grid(2, 1, {Density::kLeast / 2, 1})->value(0, 0), 0);
+    EXPECT_EQ(grid(2, 1, {Density::kMin, 1})->value(0, 0), Density::kMin);
+    EXPECT_EQ(grid(2, 1, {Density::kMin / 2, 1})->value(0, 0), 0);
     EXPECT_EQ(grid(2, 1, {5e-324, 1})->value(0, 0), 0);
     EXPECT_EQ(grid(2, 1, {5e-324, 1})->support().left, 1);
     EXPECT_EQ(grid(2, 1, {1e-320, 1e300})->value(0, 0), 0);

@@ -62,11 +62,11 @@ void expect_covered(const Segment& segment, const std::vector<Piece>& pieces) {
 
 TEST(PiecesWalk, CoversSegmentsCellByCell) {
     Random random(1, 0);
-    const auto place = [&] { return Point{kColumns * random.uniform(), kRows * random.uniform()}; };
+    const auto position = [&] { return Point{kColumns * random.uniform(), kRows * random.uniform()}; };
     std::vector<Segment> segments;
     for (int i = 0; i < 1000; ++i) {
-        const Point a = place(), near = a + std::pow(0.1, 10 * random.uniform()) * (place() - a);
-        segments.push_back({a, i % 2 == 0 ? near : place()});
+        const Point a = position(), near = a + std::pow(0.1, 10 * random.uniform()) * (position() - a);
+        segments.push_back({a, i % 2 == 0 ? near : position()});
     }
     for (std::size_t i = 0; i < segments.size(); i += 2) {
         const std::array two{segments[i], segments[i + 1]};
@@ -80,11 +80,11 @@ TEST(PiecesWalk, CoversSegmentsCellByCell) {
 
 /// Segments along grid lines, through grid points, of length 0, too thin to invert, and outside the grid by rounding.
 TEST(PiecesWalk, CoversDegenerateSegments) {
-    constexpr double kLeast = std::numeric_limits<double>::denorm_min(), kTiny = 1e-308, kOff = 1e-15;
+    constexpr double kMin = std::numeric_limits<double>::denorm_min(), kTiny = 1e-308, kOff = 1e-15;
     const std::vector<double> xs{
-        0, kLeast, kTiny, -kTiny, -kOff, 7, 7 + kOff, 7.5, kColumns - kOff, kColumns, kColumns * (1 + kOff)};
+        0, kMin, kTiny, -kTiny, -kOff, 7, 7 + kOff, 7.5, kColumns - kOff, kColumns, kColumns * (1 + kOff)};
     const std::vector<double> ys{
-        0, kLeast, kTiny, -kTiny, -kOff, 5, 5 - kOff, 5.5, kRows - kOff, kRows, kRows * (1 + kOff)};
+        0, kMin, kTiny, -kTiny, -kOff, 5, 5 - kOff, 5.5, kRows - kOff, kRows, kRows * (1 + kOff)};
     for (const double ax : xs) {
         for (const double bx : xs) {
             for (const double ay : ys) {

@@ -61,8 +61,8 @@ TEST(Domain, SnapsCornersNearTheLowerSides) {
     ASSERT_TRUE(domain) << domain.error().message;
     for (const Ring& ring : domain->rings()) {
         for (const Point& p : ring) {
-            EXPECT_TRUE(p.x == 0 || p.x >= Domain::kLeast) << p.x;
-            EXPECT_TRUE(p.y == 0 || p.y >= Domain::kLeast) << p.y;
+            EXPECT_TRUE(p.x == 0 || p.x >= Domain::kMin) << p.x;
+            EXPECT_TRUE(p.y == 0 || p.y >= Domain::kMin) << p.y;
         }
     }
 }

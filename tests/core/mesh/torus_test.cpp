@@ -44,7 +44,7 @@ std::size_t count_in_circles(const Triangulation& mesh) {
     const Point period = mesh.period();
     std::size_t inside = 0;
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
-        const auto [a, b, c] = mesh.places(t);
+        const auto [a, b, c] = mesh.positions(t);
         const Point ab = b - a, ac = c - a;
         const double doubled = 2 * cross(ab, ac), ab2 = dot(ab, ab), ac2 = dot(ac, ac);
         const Point to_centre{(ac.y * ab2 - ab.y * ac2) / doubled, (ab.x * ac2 - ac.x * ab2) / doubled};

@@ -160,9 +160,9 @@ TEST(Triangulation, ReturnsSitesWithoutAPosition) {
         const double x = random.uniform(), y = random.uniform();
         return Point{site % 2 == 0 ? x : x + 1.5, y};
     };
-    const auto left = insert_sites(mesh, sites, draw, 2, 0);
-    ASSERT_EQ(left.size(), kSites / 2);
-    for (const std::uint32_t site : left) {
+    const auto remaining = insert_sites(mesh, sites, draw, 2, 0);
+    ASSERT_EQ(remaining.size(), kSites / 2);
+    for (const std::uint32_t site : remaining) {
         ASSERT_EQ(site % 2, 1u);
         const Point p = draw(site, 0);
         ASSERT_TRUE(insert_site(mesh, site, {p.x - 1.5, p.y}));
@@ -212,7 +212,7 @@ TEST(Triangulation, RelocatesSites) {
         const std::uint32_t site = round % kSites;
         const auto triangle = static_cast<std::uint32_t>(random.uniform() * static_cast<double>(mesh.triangle_count()));
         if (std::ranges::count(mesh.corners(triangle), site) > 0) continue;
-        const auto [a, b, c] = mesh.places(triangle);
+        const auto [a, b, c] = mesh.positions(triangle);
         const Point to = 1.0 / 3 * (a + b + c);
         ASSERT_TRUE(relocate_site(mesh, site, triangle, to));
         ASSERT_EQ(mesh.point(site), to);
@@ -229,7 +229,7 @@ TEST(Triangulation, RelocatesSitesWithinTheirOwnTriangles) {
     ASSERT_TRUE(insert_site(mesh, 0, {0.45, 0.55}));
     trim(mesh);
     for (std::uint32_t triangle = 0; triangle < mesh.triangle_count(); ++triangle) {
-        const auto [a, b, c] = mesh.places(triangle);
+        const auto [a, b, c] = mesh.positions(triangle);
         const Point to = 1.0 / 3 * (a + b + c);
         ASSERT_TRUE(relocate_site(mesh, 0, triangle, to));
         ASSERT_EQ(mesh.point(0), to);
@@ -245,7 +245,7 @@ TEST(Triangulation, KeepsSitesWhoseEdgesCannotBeFlipped) {
     trim(mesh);
     std::uint32_t triangle = 0;
     while (mesh.part_of(mesh.corners(triangle)[0]) == mesh.part_of(0)) ++triangle;
-    const auto [a, b, c] = mesh.places(triangle);
+    const auto [a, b, c] = mesh.positions(triangle);
     EXPECT_FALSE(relocate_site(mesh, 0, triangle, 1.0 / 3 * (a + b + c)));
     EXPECT_EQ(mesh.point(0), (Point{0.25, 0.25}));
     expect_valid(mesh, 2, 0);

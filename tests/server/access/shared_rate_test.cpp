@@ -36,9 +36,9 @@ TEST(SharedRate, RefillsTokensOverTime) {
     SharedRate rate(client, {.per_second = 1000, .burst = 1});
     EXPECT_EQ(rate.take("a"), seconds(0));
     ASSERT_TRUE(test::wait_until("a new token", [&] { return rate.take("a") == seconds(0); }));
-    const auto left = client.run(RedisCommand{"PTTL", "ccdt:1:rate:a"});
-    ASSERT_TRUE(left);
-    EXPECT_LE(left->number, 2) << "a full bucket must expire";
+    const auto remaining = client.run(RedisCommand{"PTTL", "ccdt:1:rate:a"});
+    ASSERT_TRUE(remaining);
+    EXPECT_LE(remaining->number, 2) << "a full bucket must expire";
 }
 
 TEST(SharedRate, RefillsDamagedBuckets) {

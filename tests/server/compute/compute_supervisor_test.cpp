@@ -231,10 +231,10 @@ TEST_F(ComputeSupervisorTest, DoesNotRetryAfterStreamingHasBegun) {
 TEST_F(ComputeSupervisorTest, KillsTheProcessOfAnAbandonedAnswer) {
     const pid_t process = process_of_next();
     Sink sink(3);
-    const auto left =
+    const auto remaining =
         supervisor_->compute({"stream", "", "", "", std::string(200'000, 'x')}, {.sink = &sink}, {}, timings_);
-    ASSERT_FALSE(left);
-    EXPECT_EQ(left.error().code, ErrorCode::Stopped);
+    ASSERT_FALSE(remaining);
+    EXPECT_EQ(remaining.error().code, ErrorCode::Stopped);
     EXPECT_EQ(supervisor_->counts().crashes, 0U);
     EXPECT_TRUE(wait_for_end(process));
     EXPECT_NE(process_of_next(), process);

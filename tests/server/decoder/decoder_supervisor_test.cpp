@@ -505,13 +505,13 @@ TEST(DecoderSupervisor, KillsADecoderThatExceedsItsMemory) {
 
 TEST(DecoderSupervisor, ReportsLimitsOnTheServerAsInternalErrors) {
     if (!Sandbox::kIsWhole) GTEST_SKIP() << "sanitizers reserve terabytes of address space";
-    for (const std::size_t left : {std::size_t{8} << 20, std::size_t{40} << 20}) {
+    for (const std::size_t remaining : {std::size_t{8} << 20, std::size_t{40} << 20}) {
         const auto limited = [&](UniqueFd orders) -> Result<ChildProgram> {
             const pid_t process = fork();
             if (process != 0) return ChildProgram(process);
             std::size_t pages = 0;
             std::ifstream("/proc/self/statm") >> pages;
-            const rlimit space{pages * 4096 + left, pages * 4096 + left};
+            const rlimit space{pages * 4096 + remaining, pages * 4096 + remaining};
             setrlimit(RLIMIT_AS, &space);
             run_decoder_helper(std::move(orders), {obey, obey_in_colour, {}});
         };

@@ -111,9 +111,9 @@ TEST_F(FileFolderTest, OpensOnlyRegularFiles) {
     EXPECT_TRUE(is_unknown("fifo")) << "opening a FIFO must not wait for a writer";
     const int socket = ::socket(AF_UNIX, SOCK_STREAM, 0);
     sockaddr_un address{.sun_family = AF_UNIX, .sun_path = {}};
-    const std::string place = path_ / "socket";
-    ASSERT_LT(place.size(), sizeof(address.sun_path));
-    place.copy(address.sun_path, place.size());
+    const std::string position = path_ / "socket";
+    ASSERT_LT(position.size(), sizeof(address.sun_path));
+    position.copy(address.sun_path, position.size());
     ASSERT_EQ(bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
     EXPECT_TRUE(is_unknown("socket"));
     ::close(socket);
@@ -180,14 +180,15 @@ TEST_F(FileFolderTest, FollowsALinkToTheFolder) {
 
 TEST_F(FileFolderTest, RequiresTheFolderToExist) {
     EXPECT_TRUE(folder_.check());
-    for (const auto& place : {root_ / "nowhere", path_ / "cat"}) {
-        const auto checked = FileFolder(place, "document").check();
+    for (const auto& position : {root_ / "nowhere", path_ / "cat"}) {
+        const auto checked = FileFolder(position, "document").check();
         ASSERT_FALSE(checked);
-        EXPECT_NE(checked.error().message.find(place.string()), std::string::npos) << "the operator must see the path";
-        const auto opened = FileFolder(place, "document").open("cat", 100);
+        EXPECT_NE(checked.error().message.find(position.string()), std::string::npos)
+            << "the operator must see the path";
+        const auto opened = FileFolder(position, "document").open("cat", 100);
         ASSERT_FALSE(opened);
         EXPECT_EQ(opened.error().status, 500);
-        EXPECT_EQ(opened.error().error.message.find(place.string()), std::string::npos)
+        EXPECT_EQ(opened.error().error.message.find(position.string()), std::string::npos)
             << "clients must not see the path";
     }
 }

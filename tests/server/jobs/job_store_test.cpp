@@ -680,10 +680,10 @@ TEST_P(JobStoreTest, IsThreadSafe) {
         std::vector<std::jthread> threads;
         for (int thread = 0; thread < kThreads; ++thread) threads.emplace_back(work, thread);
     }
-    const auto left = kThreads * (kJobs / 2);
+    const auto remaining = kThreads * (kJobs / 2);
     EXPECT_EQ(store_->load()->queued + store_->load()->running, 0u);
-    EXPECT_GT(bytes(), left * JobStore::bytes_of_job(0));
-    EXPECT_LT(bytes(), left * JobStore::bytes_of_job(10));
+    EXPECT_GT(bytes(), remaining * JobStore::bytes_of_job(0));
+    EXPECT_LT(bytes(), remaining * JobStore::bytes_of_job(10));
 }
 
 }  // namespace

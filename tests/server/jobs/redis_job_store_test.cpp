@@ -106,7 +106,7 @@ TEST_F(RedisJobStoreTest, RebuildsDamagedSharedKeys) {
             add(*store, job_named("next"));
             EXPECT_EQ(store->result("finished"), "result");
             EXPECT_EQ(store->renew(running)->owned, JobStore::Owned::Still);
-            for (int left = 2; left > 0; --left) {
+            for (int remaining = 2; remaining > 0; --remaining) {
                 const auto claimed = store->claim(1000);
                 ASSERT_TRUE(claimed && *claimed) << (claimed ? "nothing" : claimed.error().message);
                 EXPECT_GT((*claimed)->claim, running.claim);

@@ -328,10 +328,10 @@ TEST(WorkerPool, LetsLongJobsAdvanceBesideOtherPrograms) {
         return nice;
     };
     // Each step reduces the share of a processor to about four fifths of that of the step before.
-    constexpr double kStep = 0.8, kLeastShare = 0.25;
+    constexpr double kStep = 0.8, kMinShare = 0.25;
     const double weight = std::pow(kStep, nice_of(kLongJob) - getpriority(PRIO_PROCESS, 0));
     EXPECT_LE(weight, 1) << "long jobs yield to connections and short jobs";
-    EXPECT_GT(weight, kLeastShare) << "of what another program receives";
+    EXPECT_GT(weight, kMinShare) << "of what another program receives";
 }
 
 TEST(WorkerPool, KeepsOneThreadForShortJobs) {

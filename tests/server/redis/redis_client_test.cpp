@@ -100,15 +100,15 @@ TEST_F(RedisClientTest, RespectsItsDeadline) {
 class NoRedis {
 public:
     NoRedis(std::string answer, std::string rest) : answer_(std::move(answer)), rest_(std::move(rest)) {
-        sockaddr_in place{};
-        place.sin_family = AF_INET;
-        place.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-        socklen_t size = sizeof(place);
-        EXPECT_EQ(bind(listener_, reinterpret_cast<sockaddr*>(&place), size), 0);
+        sockaddr_in position{};
+        position.sin_family = AF_INET;
+        position.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        socklen_t size = sizeof(position);
+        EXPECT_EQ(bind(listener_, reinterpret_cast<sockaddr*>(&position), size), 0);
         EXPECT_EQ(listen(listener_, 5), 0);
-        EXPECT_EQ(getsockname(listener_, reinterpret_cast<sockaddr*>(&place), &size), 0);
+        EXPECT_EQ(getsockname(listener_, reinterpret_cast<sockaddr*>(&position), &size), 0);
         address_.host = "127.0.0.1";
-        address_.port = std::to_string(ntohs(place.sin_port));
+        address_.port = std::to_string(ntohs(position.sin_port));
         thread_ = std::jthread([this] {
             const int client = accept(listener_, nullptr, nullptr);
             char asked[1000];

@@ -13,7 +13,7 @@
 #include <memory>
 
 #include "server/jobs/sqlite_job_store.h"
-#include "tests/server/computing_in_process.h"
+#include "tests/server/compute_in_process.h"
 #include "tests/server/reading.h"
 #include "tests/server/waiting.h"
 
@@ -69,7 +69,7 @@ protected:
     Metrics metrics_{"1.2.3"};
     Compute compute_ = test::compute_in_process(config_.limits);
     std::unique_ptr<SqliteJobStore> store_ = *SqliteJobStore::open("");
-    Jobs jobs_{config_.jobs, *store_, false, pool_, compute_, [](const JobEnd&) {}};
+    JobService jobs_{config_.jobs, *store_, false, pool_, compute_, [](const JobEnd&) {}};
     MemoryBudget waiting_memory_{std::size_t{1} << 30};
     AccessControl access_control_{"", {}};
     Routes routes_ = make(config_);

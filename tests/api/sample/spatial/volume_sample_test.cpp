@@ -212,8 +212,13 @@ std::string cube_file(std::size_t missing = 0) {
                                             "4 2 6 7 3\n", "4 0 4 6 2\n", "4 1 3 7 5\n"};
     std::string file = "OFF\n8 " + std::to_string(faces.size() - missing) + " 0\n";
     for (int i = 0; i < 8; ++i) {
-        const auto place = [](int bit) { return bit != 0 ? "6" : "4"; };
-        file.append(place(i & 1)).append(" ").append(place(i & 2)).append(" ").append(place(i & 4)).append("\n");
+        const auto position = [](int bit) { return bit != 0 ? "6" : "4"; };
+        file.append(position(i & 1))
+            .append(" ")
+            .append(position(i & 2))
+            .append(" ")
+            .append(position(i & 4))
+            .append("\n");
     }
     for (std::size_t i = missing; i < faces.size(); ++i) file += faces[i];
     return file;

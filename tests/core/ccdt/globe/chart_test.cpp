@@ -27,10 +27,10 @@ TEST(Chart, MapsEquivalentLongitudesToIdenticalBytes) {
 TEST(Chart, InvertsDirections) {
     for (const double latitude : {-90.0, -89.999'999, -60.0, -1e-9, 0.0, 33.3, 89.9, 90.0}) {
         for (const double longitude : {-179.9, -90.0, 0.0, 1e-9, 122.2}) {
-            const Point place = place_of(direction_of({longitude, latitude}));
-            EXPECT_NEAR(place.y, latitude, 1e-12);
+            const Point position = position_of(direction_of({longitude, latitude}));
+            EXPECT_NEAR(position.y, latitude, 1e-12);
             if (std::abs(latitude) == 90) continue;
-            EXPECT_NEAR(place.x, longitude, 1e-8);
+            EXPECT_NEAR(position.x, longitude, 1e-8);
         }
     }
 }
@@ -52,7 +52,7 @@ TEST(Chart, RoundTripsThroughThePlane) {
 /// PROJ 9.1.
 TEST(Chart, EqualsTheStereographicProjectionOfProj) {
     struct Row {
-        Point place, metres;
+        Point position, metres;
         double scale;
     };
     constexpr std::array<Row, 4> kRows = {{
@@ -64,7 +64,7 @@ TEST(Chart, EqualsTheStereographicProjectionOfProj) {
     const Chart chart(direction_of({15, 65}));
     const double metres = std::sqrt(chart.ground({0, 0}));
     for (const Row& row : kRows) {
-        const Point p = chart.to_plane(direction_of(row.place));
+        const Point p = chart.to_plane(direction_of(row.position));
         EXPECT_NEAR(metres * p.x, row.metres.x, 1e-5);
         EXPECT_NEAR(metres * p.y, row.metres.y, 1e-5);
         EXPECT_NEAR(chart.ground({0, 0}) / chart.ground(p) / row.scale, 1, 1e-6)

@@ -14,9 +14,9 @@ TEST(DiscOnGround, ContainsNearerPointsTightly) {
     const Chart chart(direction_of({10, 50}));
     constexpr double kEquator = 6'378'137, kPole = 6'399'594;  // metres per radian of the conformal sphere
     for (const double metres : {1.0, 1e4, 1e6}) {
-        for (const Point place : {Point{0, 0}, Point{0.1, 0}, Point{-0.3, 0.4}, Point{0, -1.5}, Point{20, 0}}) {
-            const auto [centre, radius] = disc_on_ground(chart, place, metres);
-            const Direction there = chart.to_direction(place);
+        for (const Point position : {Point{0, 0}, Point{0.1, 0}, Point{-0.3, 0.4}, Point{0, -1.5}, Point{20, 0}}) {
+            const auto [centre, radius] = disc_on_ground(chart, position, metres);
+            const Direction there = chart.to_direction(position);
             for (int i = 0; i < 16; ++i) {
                 const double turn = i * std::numbers::pi / 8;
                 const Point rim = centre + radius * Point{std::cos(turn), std::sin(turn)};
@@ -48,7 +48,7 @@ TEST(KeepOffBorder, KeepsBufferWithCoarselySubdividedEdges) {
         double least = 90, most = 0;
         for (std::size_t i = 0; i < ring.size(); ++i) {
             for (const Point unit : {ring[i], 0.5 * (ring[i] + ring[(i + 1) % ring.size()])}) {
-                const double latitude = place_of(part.chart.to_direction(part.domain.to_user(unit))).y;
+                const double latitude = position_of(part.chart.to_direction(part.domain.to_user(unit))).y;
                 least = std::min(least, latitude - 85);
                 most = std::max(most, latitude - 85);
             }
@@ -90,8 +90,8 @@ TEST(KeepOffBorder, CutsOffDenseNeedles) {
             EXPECT_LT(part.domain.corner_count(), 5000U) << length << ' ' << buffer;
             const double bare = kInner - buffer / kMaxRadius;
             EXPECT_GT(part.domain.area(), std::numbers::pi * std::pow(bare - kPitch / 8, 2)) << length << ' ' << buffer;
-            for (const Ring& left : part.domain.rings()) {
-                for (const Point& unit : left) {
+            for (const Ring& remaining : part.domain.rings()) {
+                for (const Point& unit : remaining) {
                     const Point p = part.domain.to_user(unit);
                     EXPECT_LT(std::sqrt(dot(p, p)), bare) << length << ' ' << buffer;
                 }

@@ -107,7 +107,7 @@ std::vector<Point> cap_of_points(Point centre, double angle, int count) {
     for (int i = 0; i < count; ++i) {
         const double turned = i * std::numbers::pi * (3 - std::sqrt(5.0));
         const double away = std::acos(1 - (1 - std::cos(angle)) * (i + 0.5) / count), radius = 2 * std::tan(away / 2);
-        points.push_back(place_of(chart.to_direction({radius * std::cos(turned), radius * std::sin(turned)})));
+        points.push_back(position_of(chart.to_direction({radius * std::cos(turned), radius * std::sin(turned)})));
     }
     return points;
 }

@@ -32,8 +32,8 @@ public:
 
     const std::vector<FeatureDot>& dots() const { return dots_; }
 
-    /// @param places  [dots]
-    std::vector<double> errors(const std::vector<Point>& places) const {
+    /// @param positions  [dots]
+    std::vector<double> errors(const std::vector<Point>& positions) const {
         std::vector<FeatureArea> areas;
         std::vector<const Domain*> domains;
         for (const MapFeature& feature : features_) {
@@ -46,16 +46,16 @@ public:
         const auto ground =
             DotGround::create({features_, areas, index, land.bounds(), density}, 0, inline_executor(), {}).value();
         std::vector<Point> units;
-        for (const Point& p : places) units.push_back(land.to_unit(p));
-        std::vector<double> errors(places.size());
+        for (const Point& p : positions) units.push_back(land.to_unit(p));
+        std::vector<double> errors(positions.size());
         DotError(ground, land, dots_).measure(units, errors);
         return errors;
     }
 
     std::vector<double> errors() const {
-        std::vector<Point> places;
-        for (const FeatureDot& dot : dots_) places.push_back(dot.place);
-        return errors(places);
+        std::vector<Point> positions;
+        for (const FeatureDot& dot : dots_) positions.push_back(dot.position);
+        return errors(positions);
     }
 
 private:
@@ -67,7 +67,7 @@ TEST(DotError, FindsNoErrorInGrids) {
     const Squares squares({20, 20});
     const auto errors = squares.errors();
     for (std::size_t dot = 0; dot < errors.size(); ++dot) {
-        const Point p = squares.dots()[dot].place;
+        const Point p = squares.dots()[dot].position;
         if (std::abs(p.x - 1) < 0.7 && std::abs(p.y - 0.5) < 0.3) {
             EXPECT_NEAR(errors[dot], 0, 1e-3) << p.x << ' ' << p.y;
         }
@@ -76,14 +76,14 @@ TEST(DotError, FindsNoErrorInGrids) {
 
 TEST(DotError, LocatesASurplus) {
     const Squares squares({20, 20});
-    std::vector<Point> places;
-    for (const FeatureDot& dot : squares.dots()) places.push_back({dot.place.x, dot.place.y * dot.place.y});
-    const auto errors = squares.errors(places);
+    std::vector<Point> positions;
+    for (const FeatureDot& dot : squares.dots()) positions.push_back({dot.position.x, dot.position.y * dot.position.y});
+    const auto errors = squares.errors(positions);
     for (std::size_t dot = 0; dot < errors.size(); ++dot) {
-        if (places[dot].y < 0.15) {
+        if (positions[dot].y < 0.15) {
             EXPECT_GT(errors[dot], 0.05);
         }
-        if (places[dot].y > 0.4) {
+        if (positions[dot].y > 0.4) {
             EXPECT_LT(errors[dot], -0.05);
         }
     }
@@ -93,13 +93,14 @@ TEST(DotError, LocatesASurplus) {
 TEST(DotError, IncludesNeighbouringFeatures) {
     for (const int rows : {20, 28}) {
         const Squares squares({20, rows});
-        std::vector<Point> places;
+        std::vector<Point> positions;
         for (const FeatureDot& dot : squares.dots())
-            places.push_back(dot.feature == 0 ? dot.place : Point{1 + std::pow(dot.place.x - 1, 2), dot.place.y});
-        const auto errors = squares.errors(places);
+            positions.push_back(dot.feature == 0 ? dot.position
+                                                 : Point{1 + std::pow(dot.position.x - 1, 2), dot.position.y});
+        const auto errors = squares.errors(positions);
         for (std::size_t dot = 0; dot < errors.size(); ++dot) {
-            const bool is_last = places[dot].x < 1 && places[dot].x > 0.97;
-            if (is_last && std::abs(places[dot].y - 0.5) < 0.3) {
+            const bool is_last = positions[dot].x < 1 && positions[dot].x > 0.97;
+            if (is_last && std::abs(positions[dot].y - 0.5) < 0.3) {
                 EXPECT_GT(errors[dot], 0.1) << rows;
             }
         }
@@ -112,7 +113,7 @@ TEST(DotError, IgnoresFeaturesOfVeryDifferentDensity) {
         const Squares squares({20, rows});
         const auto errors = squares.errors();
         for (std::size_t dot = 0; dot < 400; ++dot) {
-            const Point p = squares.dots()[dot].place;
+            const Point p = squares.dots()[dot].position;
             if (p.x > 0.2 && std::abs(p.y - 0.5) < 0.3) {
                 EXPECT_NEAR(errors[dot], 0, 0.1) << rows;
             }

@@ -57,7 +57,7 @@ TEST(FeatureArea, GivesTheSameAnswersWithAGrid) {
             Random random(4, cells);
             for (int i = 0; i < 4000; ++i) {
                 const Point p = box.min + Point{random.uniform() * box.width(), random.uniform() * box.height()};
-                EXPECT_EQ(gridded.place_of(p), area.place_of(p)) << p.x << ' ' << p.y << ' ' << cells;
+                EXPECT_EQ(gridded.position_of(p), area.position_of(p)) << p.x << ' ' << p.y << ' ' << cells;
             }
         }
     }

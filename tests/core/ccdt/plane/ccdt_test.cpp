@@ -40,12 +40,12 @@ Density portrait() {
     });
 }
 
-struct Place {
+struct Position {
     std::string name;
     Parts parts;
 };
 
-std::vector<Place> places() {
+std::vector<Position> positions() {
     const Parts lshape{{test::l_shape(), {}}};
     return {{"square", kSquare},
             {"thin rectangle", {{test::box(0, 0, 1, 0.01), {}}}},
@@ -83,38 +83,38 @@ class Distribute : public testing::TestWithParam<std::size_t> {};
 
 /// Tests the contract of distribute(): n distinct sites, strictly inside.
 TEST_P(Distribute, PlacesDistinctSitesStrictlyInside) {
-    const Place place = places()[GetParam()];
-    const Domain domain = domain_of(place.parts);
+    const Position position = positions()[GetParam()];
+    const Domain domain = domain_of(position.parts);
     for (const auto& [name, density] : densities()) {
         for (const std::size_t sites : {1, 2, 3, 10, 300}) {
             const auto result = distribute(domain, density, {.sites = sites, .seed = 7 * sites});
             if (!result) {
-                EXPECT_EQ(result.error().code, ErrorCode::Unusable) << place.name << ", " << name;
-                EXPECT_NE(name, "uniform") << place.name << ": " << result.error().message;
+                EXPECT_EQ(result.error().code, ErrorCode::Unusable) << position.name << ", " << name;
+                EXPECT_NE(name, "uniform") << position.name << ": " << result.error().message;
                 continue;
             }
             EXPECT_EQ(result->points.size(), sites);
-            EXPECT_EQ(test::count_outside(place.parts, result->points), 0u)
-                << place.name << ", " << name << ", " << sites;
-            EXPECT_EQ(test::count_distinct(result->points), sites) << place.name << ", " << name << ", " << sites;
+            EXPECT_EQ(test::count_outside(position.parts, result->points), 0u)
+                << position.name << ", " << name << ", " << sites;
+            EXPECT_EQ(test::count_distinct(result->points), sites) << position.name << ", " << name << ", " << sites;
             ASSERT_EQ(result->trace.size(), 6u);
             for (const double variation : result->trace)
-                EXPECT_TRUE(std::isfinite(variation)) << place.name << ", " << name << ", " << sites;
+                EXPECT_TRUE(std::isfinite(variation)) << position.name << ", " << name << ", " << sites;
         }
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Places, Distribute, testing::Range(std::size_t{0}, std::size_t{19}), [](const auto& index) {
-    std::string name = places()[index.param].name;
+INSTANTIATE_TEST_SUITE_P(Positions, Distribute, testing::Range(std::size_t{0}, std::size_t{19}), [](const auto& index) {
+    std::string name = positions()[index.param].name;
     std::replace(name.begin(), name.end(), ' ', '_');
     return name;
 });
 
 TEST(Distribute, PlacesAThousandSites) {
-    for (const Place& place : places()) {
-        const auto result = run(place.parts, Density::uniform(), {.sites = 1000, .seed = 3});
-        EXPECT_EQ(test::count_outside(place.parts, result.points), 0u) << place.name;
-        EXPECT_EQ(test::count_distinct(result.points), 1000u) << place.name;
+    for (const Position& position : positions()) {
+        const auto result = run(position.parts, Density::uniform(), {.sites = 1000, .seed = 3});
+        EXPECT_EQ(test::count_outside(position.parts, result.points), 0u) << position.name;
+        EXPECT_EQ(test::count_distinct(result.points), 1000u) << position.name;
     }
 }
 
@@ -327,24 +327,24 @@ TEST(Distribute, WorksEquallyWellWhenRotated) {
 
 TEST(Distribute, KeepsADelaunayMesh) {
     const Density picture = portrait();
-    for (const Place& place : {places()[0], places()[6], places()[12], places()[17]}) {
+    for (const Position& position : {positions()[0], positions()[6], positions()[12], positions()[17]}) {
         std::size_t holes = 0;
-        for (const PolygonPart& part : place.parts) holes += part.holes.size();
+        for (const PolygonPart& part : position.parts) holes += part.holes.size();
         // Tests in the unit frame by exact predicates. If a domain is not scaled by a power of two, only counts
         // triangles.
-        const bool exact = place.name != "South Africa";
+        const bool exact = position.name != "South Africa";
         for (const int iterations : {0, 1, 2, 5}) {
             for (const Density& density : {Density::uniform(), picture}) {
-                SCOPED_TRACE(place.name + ", " + std::to_string(iterations));
-                const auto result =
-                    run(place.parts, density, {.sites = 600, .seed = 2, .iterations = iterations, .keep_mesh = true});
+                SCOPED_TRACE(position.name + ", " + std::to_string(iterations));
+                const auto result = run(position.parts, density,
+                                        {.sites = 600, .seed = 2, .iterations = iterations, .keep_mesh = true});
                 ASSERT_TRUE(result.mesh);
                 const TriangleMesh& mesh = *result.mesh;
                 std::size_t border = 0;
                 for (const auto& loop : mesh.boundary) border += loop.size();
-                EXPECT_EQ(mesh.boundary.size(), place.parts.size() + holes);
+                EXPECT_EQ(mesh.boundary.size(), position.parts.size() + holes);
                 EXPECT_EQ(mesh.vertices.size(), 600 + border);
-                EXPECT_EQ(mesh.triangles.size(), 2 * 600 + border + 2 * holes - 2 * place.parts.size());
+                EXPECT_EQ(mesh.triangles.size(), 2 * 600 + border + 2 * holes - 2 * position.parts.size());
                 EXPECT_TRUE(std::equal(result.points.begin(), result.points.end(), mesh.vertices.begin()));
                 double area = 0;
                 std::size_t inverted = 0;
@@ -354,7 +354,7 @@ TEST(Distribute, KeepsADelaunayMesh) {
                     inverted += exact && exact_orientation(p, q, r) <= 0 ? 1 : 0;
                 }
                 EXPECT_EQ(inverted, 0u);
-                const double whole = domain_of(place.parts).area();
+                const double whole = domain_of(position.parts).area();
                 EXPECT_NEAR(area, whole, 1e-9 * whole);
             }
         }

@@ -32,8 +32,8 @@ std::vector<Point> drawn(std::size_t count, Point corner = {0, 0}, double side =
     return points;
 }
 
-std::vector<Point> place(const Domain& domain, std::size_t sites, const std::vector<Point>& fixed,
-                         const Density& density = Density::uniform(), Quality quality = Quality::Standard) {
+std::vector<Point> position(const Domain& domain, std::size_t sites, const std::vector<Point>& fixed,
+                            const Density& density = Density::uniform(), Quality quality = Quality::Standard) {
     Options options;
     options.sites = sites;
     options.fixed = fixed;
@@ -99,7 +99,7 @@ TEST(Fixed, KeepTheirDistanceFromSites) {
     const std::vector<Point> fixed = drawn(60);
     for (const Domain& domain : {square(), torus, polygon}) {
         const double hexagonal = hexagonal_spacing(1060 / domain.area());
-        const auto points = place(domain, 1000, fixed);
+        const auto points = position(domain, 1000, fixed);
         const auto to_fixed = distances(points, fixed, domain.is_torus());
         EXPECT_GT(to_fixed.front(), 0.7 * hexagonal);
         EXPECT_GT(distances(points, points, domain.is_torus()).front(), 0.7 * hexagonal);
@@ -114,7 +114,7 @@ TEST(Fixed, CanBeClusteredAndCoincident) {
     fixed.insert(fixed.end(), 50, {0.2, 0.2});
     for (int i = 0; i < 100; ++i) fixed.push_back({0.8 + 1e-9 * i, 0.8});
     for (const Domain& domain : {square(), Domain::torus(1, 1).value()}) {
-        const auto points = place(domain, 1000, fixed);
+        const auto points = position(domain, 1000, fixed);
         const double hexagonal = hexagonal_spacing(1010);
         EXPECT_GT(distances(points, fixed, domain.is_torus()).front(), 0.7 * hexagonal);
         // Coincident points attract or repel no more sites than a single point, which has about six neighbours.
@@ -130,7 +130,7 @@ TEST(Fixed, CanBeClusteredAndCoincident) {
 TEST(Fixed, LeaveTheOtherSitesEven) {
     // The fixed points fill a sixteenth of the square, in the right half. The rest of the square is evenly dense.
     const std::vector<Point> fixed = drawn(5000, {0.5, 0}, 0.25);
-    const auto points = place(square(), 4000, fixed);
+    const auto points = position(square(), 4000, fixed);
     const auto left = std::ranges::count_if(points, [](const Point& p) { return p.x < 0.5; });
     EXPECT_NEAR(static_cast<double>(left) / 4000, 0.5 / (1 - 0.0625), 0.01);
 }
@@ -141,7 +141,7 @@ TEST(Fixed, CanOutnumberTheSites) {
     for (int i = 0; i < kSide * kSide; ++i) fixed.push_back({(i % kSide + 0.5) / kSide, (i / kSide + 0.5) / kSide});
     // No place is farther from all points of a square lattice than the centre of a square.
     for (const std::size_t sites : {1, 10}) {
-        EXPECT_GT(distances(place(square(), sites, fixed), fixed).front(), 0.85 * std::sqrt(0.5) / kSide);
+        EXPECT_GT(distances(position(square(), sites, fixed), fixed).front(), 0.85 * std::sqrt(0.5) / kSide);
     }
 }
 
@@ -149,7 +149,7 @@ TEST(Fixed, TakeAreaByTheDensity) {
     const std::vector<double> values = {1, 4};
     const auto density = Density::grid(2, 1, values).value();
     const std::vector<Point> fixed = drawn(60);
-    const auto points = place(square(), 1000, fixed, density);
+    const auto points = position(square(), 1000, fixed, density);
     EXPECT_GT(distances(points, fixed).front(), 0.6 * hexagonal_spacing(1.6 * 1060));
     const auto right = std::ranges::count_if(points, [](const Point& p) { return p.x > 0.5; });
     const auto fixed_right = std::ranges::count_if(fixed, [](const Point& p) { return p.x > 0.5; });
@@ -163,9 +163,9 @@ TEST(Fixed, CanLieAnywhereInAnyOrder) {
         fixed.push_back(p);
     for (const Domain& domain : {square(), Domain::torus(1, 1).value()}) {
         for (const Quality quality : {Quality::Draft, Quality::Standard}) {
-            const auto points = place(domain, 200, fixed, Density::uniform(), quality);
+            const auto points = position(domain, 200, fixed, Density::uniform(), quality);
             std::vector<Point> reversed(fixed.rbegin(), fixed.rend());
-            EXPECT_EQ(points, place(domain, 200, reversed, Density::uniform(), quality));
+            EXPECT_EQ(points, position(domain, 200, reversed, Density::uniform(), quality));
         }
     }
 }

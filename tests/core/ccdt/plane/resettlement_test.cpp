@@ -35,7 +35,7 @@ void crowd(Triangulation& mesh, Point from, Point to, int count) {
             if (distance(mesh.point(v), from) < distance(mesh.point(site), from)) site = v;
         }
         const auto middle = [&](std::uint32_t t) {
-            const auto [a, b, c] = mesh.places(t);
+            const auto [a, b, c] = mesh.positions(t);
             return 1.0 / 3 * (a + b + c);
         };
         for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {

@@ -86,10 +86,10 @@ void expect_exact(StartMesh& start) {
     const double total = start.density.total();
     std::size_t crossing = 0;
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
-        auto places = mesh.places(t);
-        for (Point& p : places) p = {p.x / sides.x * start.density.width(), p.y / sides.y * start.density.height()};
+        auto positions = mesh.positions(t);
+        for (Point& p : positions) p = {p.x / sides.x * start.density.width(), p.y / sides.y * start.density.height()};
         crossing += mesh.crosses_seam(t) ? 1 : 0;
-        ASSERT_NEAR(start.capacities[t], integral(start.density, places), 1e-11 * total) << t;
+        ASSERT_NEAR(start.capacities[t], integral(start.density, positions), 1e-11 * total) << t;
     }
     EXPECT_GT(crossing, 0u);
     EXPECT_NEAR(sum_of(start.capacities), total, 1e-11 * total);

@@ -76,8 +76,8 @@ TEST(GraphSolver, IsIdenticalOnAnyNumberOfThreads) {
     std::ranges::shuffle(inflow, std::minstd_rand(1));
     const auto solved_by = [&](Executor& executor) {
         GraphSolver solver(kSide * kSide, grid(kSide), executor);
-        std::vector<double> left = inflow, potential(kSide * kSide);
-        solver.solve(left, potential, 3);
+        std::vector<double> remaining = inflow, potential(kSide * kSide);
+        solver.solve(remaining, potential, 3);
         return potential;
     };
     const auto expected = solved_by(inline_executor());

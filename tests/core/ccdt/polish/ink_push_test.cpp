@@ -59,7 +59,7 @@ std::vector<Point> pushed_one_by_one(bool torus, const std::vector<InkSite>& sit
         const double least = reach * hexagonal_spacing(1) * sites[a].spacing;
         for (const InkSite& other : sites) {
             if (other.ink == sites[a].ink) continue;
-            Point apart = sites[a].place - other.place;
+            Point apart = sites[a].position - other.position;
             if (torus) apart = {apart.x - std::round(apart.x), apart.y - std::round(apart.y)};
             const double distance = std::sqrt(dot(apart, apart));
             if (distance < least) moves[a] = moves[a] + (push * (least / distance - 1)) * apart;

@@ -22,7 +22,7 @@ constexpr double kError = 3e-4;            // error that the header documents
 constexpr double kHighestFrequency = 0.2;  // up to this frequency, in cycles per cell
 
 struct Weighted {
-    Point place;
+    Point position;
     double value;
 };
 
@@ -62,8 +62,8 @@ std::complex<double> direct_sum(const WaveGrid& grid, bool torus, const std::vec
 double largest_error(WaveGrid& grid, bool torus, const std::vector<Weighted>& points) {
     grid.clear();
     double magnitude = 0;
-    for (const auto& [place, value] : points) {
-        spread(grid, place, value);
+    for (const auto& [position, value] : points) {
+        spread(grid, position, value);
         magnitude += grid.copies() * std::abs(value);
     }
     grid.transform();
@@ -123,8 +123,8 @@ TEST(WaveGrid, PreservesTheSumOfSpreadValues) {
         const auto points = random_points({1, 0.5}, 100);
         double total = 0;
         grid.clear();
-        for (const auto& [place, value] : points) {
-            spread(grid, place, value);
+        for (const auto& [position, value] : points) {
+            spread(grid, position, value);
             total += value;
         }
         grid.transform();
@@ -166,15 +166,15 @@ TEST(WaveGrid, SpreadsMoves) {
         const auto points = random_points({1, 0.5}, 30);
         const auto spread_moved = [&](double share) {
             grid.clear();
-            for (const auto& [place, value] : points) spread(grid, place + share * Point{value, 1 - value}, 1);
+            for (const auto& [position, value] : points) spread(grid, position + share * Point{value, 1 - value}, 1);
             grid.transform();
             return grid.grid()[7] + 2 * grid.grid()[333];
         };
         constexpr double kStep = 1e-5;
         const double slope = (spread_moved(kStep) - spread_moved(-kStep)) / (2 * kStep);
         grid.clear();
-        for (const auto& [place, value] : points)
-            grid.spread_moves(std::vector{place}, std::vector{Point{value, 1 - value}});
+        for (const auto& [position, value] : points)
+            grid.spread_moves(std::vector{position}, std::vector{Point{value, 1 - value}});
         grid.transform();
         EXPECT_NEAR(grid.grid()[7] + 2 * grid.grid()[333], slope, 1e-4 * std::abs(slope)) << torus;
     }
@@ -187,18 +187,18 @@ TEST(WaveGrid, IsIdenticalForBatchesAndSinglePoints) {
     for (const Point p :
          {Point{0, 0}, Point{2, 0.7}, Point{0, 0.7}, Point{2, 0}, Point{-0.0, 0.35}, Point{1e-308, 0.1}})
         points.push_back({p, 1});
-    std::vector<Point> places;
+    std::vector<Point> positions;
     std::vector<double> values;
-    for (const auto& [place, value] : points) {
-        places.push_back(place);
+    for (const auto& [position, value] : points) {
+        positions.push_back(position);
         values.push_back(value);
     }
     for (const bool torus : {false, true}) {
         WaveGrid each(torus, sides, {36, 16, 1}), many(torus, sides, {36, 16, 1});
         each.clear();
         many.clear();
-        for (const auto& [place, value] : points) spread(each, place, value);
-        many.spread(places, values);
+        for (const auto& [position, value] : points) spread(each, position, value);
+        many.spread(positions, values);
         for (WaveGrid* const grid : {&each, &many}) grid->transform();
         each.with_coefficients([&](auto coefficients) {
             many.with_coefficients([&](auto others) {
@@ -208,9 +208,10 @@ TEST(WaveGrid, IsIdenticalForBatchesAndSinglePoints) {
             });
         });
         each.transform_back();
-        std::vector<Point> gradients(places.size());
-        each.gradients(places, gradients);
-        for (std::size_t i = 0; i < places.size(); ++i) EXPECT_EQ(gradients[i], gradient(each, places[i])) << torus;
+        std::vector<Point> gradients(positions.size());
+        each.gradients(positions, gradients);
+        for (std::size_t i = 0; i < positions.size(); ++i)
+            EXPECT_EQ(gradients[i], gradient(each, positions[i])) << torus;
     }
 }
 

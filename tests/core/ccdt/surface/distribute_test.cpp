@@ -44,9 +44,9 @@ SurfaceDistribution distributed(const Surface& surface, const SurfaceOptions& op
     return *std::move(result);
 }
 
-std::vector<Point3> places(const Surface& surface, const SurfaceDistribution& dots) {
+std::vector<Point3> positions(const Surface& surface, const SurfaceDistribution& dots) {
     std::vector<Point3> all;
-    for (const SurfacePoint& point : dots.points) all.push_back(surface.place(point));
+    for (const SurfacePoint& point : dots.points) all.push_back(surface.position(point));
     return all;
 }
 
@@ -76,7 +76,7 @@ double least_of(const Surface& surface, const SurfaceDistribution& dots) {
     std::vector<Point3> normals;
     for (const SurfacePoint& point : dots.points) normals.push_back(surface.normal(point.face));
     const double sites = static_cast<double>(dots.points.size());
-    return measure_spacing(places(surface, dots), normals, {}).min / hexagonal_spacing(sites / surface.total_area());
+    return measure_spacing(positions(surface, dots), normals, {}).min / hexagonal_spacing(sites / surface.total_area());
 }
 
 /// Checks that every edge of a closed mesh belongs to two triangles of opposite direction. Returns vertices - edges +
@@ -99,7 +99,7 @@ TEST(DistributeOnSurface, SpreadsSitesEvenlyOnASphere) {
     for (const std::uint64_t seed : {0, 1, 2}) {
         const auto dots = distributed(surface, {.sites = 2000, .seed = seed, .keep_mesh = true});
         ASSERT_EQ(dots.points.size(), 2000U);
-        const auto points = places(surface, dots);
+        const auto points = positions(surface, dots);
         const Spacing spacing = spacing_of(surface, points);
         EXPECT_GT(spacing.least, 0.77) << seed;
         EXPECT_GT(spacing.mean, 0.87) << seed;
@@ -247,7 +247,7 @@ TEST(DistributeOnSurface, KeepsSitesApartInStripsOfOneOrTwoRows) {
         for (const std::uint64_t seed : {0, 1, 2}) {
             SCOPED_TRACE(std::to_string(width) + " hexagonal spacings wide, seed " + std::to_string(seed));
             const auto dots = distributed(surface, {.sites = kSites, .seed = seed});
-            EXPECT_GT(spacing_of(surface, places(surface, dots)).least, 0.45);
+            EXPECT_GT(spacing_of(surface, positions(surface, dots)).least, 0.45);
         }
     }
 }
@@ -277,7 +277,7 @@ TEST(DistributeOnSurface, SpreadsSitesEvenlyOverLongThinFaces) {
         const auto dots = distributed(surface, {.sites = 2000});
         EXPECT_LT(dots.variation(), 0.1);
         std::array<double, 4> counts{};
-        for (const Point3& p : places(surface, dots)) ++counts[static_cast<std::size_t>(std::min(4 * p.z, 3.0))];
+        for (const Point3& p : positions(surface, dots)) ++counts[static_cast<std::size_t>(std::min(4 * p.z, 3.0))];
         for (const double count : counts) EXPECT_NEAR(count, 500, 15);
     }
 }
@@ -286,7 +286,7 @@ TEST(DistributeOnSurface, SeparatesSitesInSpaceAcrossSharpEdges) {
     for (const TriangleSoup& soup : {tetrahedron_surface(), bipyramid_surface(3, 1)}) {
         const Surface surface = surface_of(soup);
         const auto dots = distributed(surface, {.sites = 3000});
-        EXPECT_GT(spacing_of(surface, places(surface, dots)).least, 0.58);
+        EXPECT_GT(spacing_of(surface, positions(surface, dots)).least, 0.58);
         EXPECT_LT(dots.variation(), 0.06);
     }
 }
@@ -314,7 +314,7 @@ TEST(DistributeOnSurface, KeepsTheTopologyOfATorus) {
     for (const std::size_t sites : {200, 1500, 6000}) {
         const auto dots = distributed(surface, {.sites = sites, .keep_mesh = true});
         EXPECT_EQ(euler_characteristic(*dots.mesh), 0) << sites;
-        EXPECT_GT(spacing_of(surface, places(surface, dots)).least, 0.7) << sites;
+        EXPECT_GT(spacing_of(surface, positions(surface, dots)).least, 0.7) << sites;
     }
 }
 
@@ -327,7 +327,7 @@ TEST(DistributeOnSurface, DoesNotDependOnTheNumberOfThreads) {
     control.executor = &executor;
     const auto three = distribute_on_surface(surface, SurfaceDensity::uniform(), options, control);
     ASSERT_TRUE(three);
-    EXPECT_EQ(places(surface, one), places(surface, *three));
+    EXPECT_EQ(positions(surface, one), positions(surface, *three));
     EXPECT_EQ(one.mesh->triangles, three->mesh->triangles);
 }
 
@@ -339,7 +339,7 @@ TEST(DistributeOnSurface, GivesComponentsTheirShares) {
     ASSERT_EQ(surface.component_count(), 2U);
     const auto dots = distributed(surface, {.sites = 1000});
     const auto of_large = std::ranges::count_if(
-        dots.points, [&](const SurfacePoint& point) { return surface.to_input(surface.place(point)).x < 2; });
+        dots.points, [&](const SurfacePoint& point) { return surface.to_input(surface.position(point)).x < 2; });
     EXPECT_EQ(of_large, 800);
 }
 
@@ -351,9 +351,9 @@ TEST(DistributeOnSurface, SpreadsFewSitesOverManyComponents) {
     const auto dots = distributed(surface, {.sites = 40});
     std::array<int, 2> south{}, west{};
     for (const SurfacePoint& point : dots.points) {
-        const Point3 place = surface.to_input(surface.place(point));
-        ++west[place.x < 9.5 ? 0 : 1];
-        ++south[place.y < 9.5 ? 0 : 1];
+        const Point3 position = surface.to_input(surface.position(point));
+        ++west[position.x < 9.5 ? 0 : 1];
+        ++south[position.y < 9.5 ? 0 : 1];
     }
     for (const auto& counts : {south, west}) EXPECT_NEAR(counts[0], 20, 1);
 }
@@ -366,7 +366,7 @@ TEST(DistributeOnSurface, SeparatesSitesWhereSurfacesIntersect) {
         const auto dots = distributed(surface, {.sites = 2000, .seed = seed});
         std::vector<Point3> normals;
         for (const SurfacePoint& point : dots.points) normals.push_back(surface.normal(point.face));
-        const double least = measure_spacing(places(surface, dots), normals, {}).min;
+        const double least = measure_spacing(positions(surface, dots), normals, {}).min;
         EXPECT_GE(least / hexagonal_spacing(2000 / surface.total_area()), 0.8) << seed;
     }
 }
@@ -384,7 +384,7 @@ TEST(DistributeOnSurface, SpreadsSitesOnEachOfParallelSheets) {
     for (std::uint64_t seed = 0; seed < 5; ++seed) {
         const auto dots = distributed(surface, {.sites = 500 * kSheets, .seed = seed});
         std::array<std::vector<Point3>, kSheets> points;
-        for (const Point3& p : places(surface, dots))
+        for (const Point3& p : positions(surface, dots))
             points[static_cast<std::size_t>(std::lround(1e3 * p.z))].push_back(p);
         for (const auto& own : points) {
             ASSERT_EQ(own.size(), 500U);
@@ -405,7 +405,7 @@ TEST(DistributeOnSurface, KeepsHalfARowFromABorder) {
     const double row = hexagonal_spacing(1000) * std::sqrt(3.0) / 2;
     double least = 1;
     int first_row = 0;
-    for (const Point3& p : places(surface, dots)) {
+    for (const Point3& p : positions(surface, dots)) {
         const double off = std::min({p.x, 1 - p.x, p.y, 1 - p.y});
         least = std::min(least, off);
         first_row += off < row;
@@ -414,7 +414,7 @@ TEST(DistributeOnSurface, KeepsHalfARowFromABorder) {
     EXPECT_LT(least, 0.6 * row);
     // The expected number of sites in the area within a row of the border.
     EXPECT_NEAR(first_row, 1000 * (1 - std::pow(1 - 2 * row, 2)), 12);
-    EXPECT_GT(spacing_of(surface, places(surface, dots)).least, 0.74);
+    EXPECT_GT(spacing_of(surface, positions(surface, dots)).least, 0.74);
     double area = 0;
     for (const auto& [a, b, c] : dots.mesh->triangles) {
         const auto& v = dots.mesh->vertices;
@@ -448,7 +448,7 @@ TEST(DistributeOnSurface, DividesAllEdgesOfAFaceForEveryFirstCorner) {
             const Surface surface = surface_of(renumbered(soup, turns));
             const auto dots = distributed(surface, {.sites = 1000});
             EXPECT_LT(dots.variation(), 0.1) << turns;
-            EXPECT_GT(spacing_of(surface, places(surface, dots)).least, 0.7) << turns;
+            EXPECT_GT(spacing_of(surface, positions(surface, dots)).least, 0.7) << turns;
         }
         const Surface cube = surface_of(renumbered(cube_surface(), turns), 0.5);
         const auto dots = distributed(cube, {.sites = 2000, .keep_mesh = true});
@@ -470,7 +470,7 @@ TEST(DistributeOnSurface, FollowsADensity) {
     const auto dots = distributed(surface, {.sites = 4000}, *density);
     for (const double until : {0.25, 0.5, 0.75}) {
         const auto count = std::ranges::count_if(
-            dots.points, [&](const SurfacePoint& point) { return surface.place(point).x < until; });
+            dots.points, [&](const SurfacePoint& point) { return surface.position(point).x < until; });
         EXPECT_NEAR(static_cast<double>(count), 4000 * until * until, 30) << until;
     }
 }
@@ -484,7 +484,7 @@ TEST(DistributeOnSurface, KeepsSitesAwayFromFixedPoints) {
     const double hexagonal = hexagonal_spacing(503 / surface.total_area());
     for (const Point3 fixed : {Point3{1, 0, 0}, Point3{0, 1, 0}, Point3{0, 0, -1}}) {
         double least = 1;
-        for (const Point3& p : places(surface, dots)) least = std::min(least, length(p - surface.from_input(fixed)));
+        for (const Point3& p : positions(surface, dots)) least = std::min(least, length(p - surface.from_input(fixed)));
         EXPECT_GT(least / hexagonal, 0.7);
         EXPECT_LT(least / hexagonal, 1.3);
     }
@@ -508,7 +508,7 @@ TEST(DistributeOnSurface, AcceptsManyFacesForFewSites) {
     const auto dots = distributed(surface, {.sites = 300, .keep_mesh = true});
     EXPECT_EQ(euler_characteristic(*dots.mesh), 2);
     EXPECT_EQ(dots.mesh->vertices.size(), 300U);
-    EXPECT_GT(spacing_of(surface, places(surface, dots)).least, 0.75);
+    EXPECT_GT(spacing_of(surface, positions(surface, dots)).least, 0.75);
 }
 
 TEST(DistributeOnSurface, StopsEarly) {

@@ -94,18 +94,18 @@ Point3 rotated(Point3 p, double angle) {
 /// @param variation  receives the capacity variation if not null
 std::vector<Point3> distributed(const TriangleSoup& soup, const SurfaceOptions& options, double* variation = nullptr) {
     const Surface surface = Surface::create(soup, {}).value().surface;
-    std::vector<Point3> places;
+    std::vector<Point3> positions;
     const auto dots = distribute_on_surface(surface, SurfaceDensity::uniform(), options).value();
     if (variation != nullptr) *variation = dots.variation();
-    for (const SurfacePoint& point : dots.points) places.push_back(surface.to_input(surface.place(point)));
-    return places;
+    for (const SurfacePoint& point : dots.points) positions.push_back(surface.to_input(surface.position(point)));
+    return positions;
 }
 
 /// Returns the distances of successive sites along a line, in units of their mean.
-std::vector<double> gaps(const Line& line, const std::vector<Point3>& places) {
-    const double whole = line.length_before(line.segments()), mean = whole / static_cast<double>(places.size());
+std::vector<double> gaps(const Line& line, const std::vector<Point3>& positions) {
+    const double whole = line.length_before(line.segments()), mean = whole / static_cast<double>(positions.size());
     std::vector<double> at, found;
-    for (const Point3& place : places) at.push_back(line.length_to(place));
+    for (const Point3& position : positions) at.push_back(line.length_to(position));
     std::ranges::sort(at);
     for (std::size_t i = 1; i < at.size(); ++i) found.push_back((at[i] - at[i - 1]) / mean);
     if (line.is_closed) found.push_back((at.front() + whole - at.back()) / mean);
@@ -130,9 +130,9 @@ TEST(NarrowStrips, HaveEvenGaps) {
                 for (Point3& vertex : soup.vertices) vertex = rotated(vertex, static_cast<double>(seed));
                 const Quality quality = std::array{Quality::Standard, Quality::Draft, Quality::Best}[seed];
                 double variation = 0;
-                auto places = distributed(soup, {.sites = kSites, .seed = seed, .quality = quality}, &variation);
-                for (Point3& place : places) place = rotated(place, -static_cast<double>(seed));
-                const auto found = gaps(line, places);
+                auto positions = distributed(soup, {.sites = kSites, .seed = seed, .quality = quality}, &variation);
+                for (Point3& position : positions) position = rotated(position, -static_cast<double>(seed));
+                const auto found = gaps(line, positions);
                 const std::string name = line.name + ' ' + std::to_string(line.segments()) + ", " +
                                          std::to_string(spacings) + " spacings, " + std::to_string(seed);
                 EXPECT_GT(std::ranges::min(found), 0.99) << name;
@@ -167,10 +167,10 @@ TEST(NarrowStrips, KeepTheSharesOfComponents) {
         append(soup, other, 1e-3);
     }
     for (std::uint64_t seed = 0; seed < 5; ++seed) {
-        std::array<std::vector<Point3>, kStrips> places;
-        for (const Point3& place : distributed(soup, {.sites = kStrips * kSites, .seed = seed}))
-            places[static_cast<std::size_t>(std::lround(100 * place.z))].push_back(place);
-        for (const auto& own : places) {
+        std::array<std::vector<Point3>, kStrips> positions;
+        for (const Point3& position : distributed(soup, {.sites = kStrips * kSites, .seed = seed}))
+            positions[static_cast<std::size_t>(std::lround(100 * position.z))].push_back(position);
+        for (const auto& own : positions) {
             EXPECT_EQ(own.size(), kSites) << seed;
             EXPECT_GT(std::ranges::min(gaps(line, own)), 0.8) << seed;
             EXPECT_LT(std::ranges::max(gaps(line, own)), 1.2) << seed;
@@ -188,8 +188,8 @@ TEST(NarrowStrips, AreEvenBesideWidePlaces) {
     soup.triangles = {{0, 1, 2}, {0, 2, 5}, {0, 5, 7}, {5, 6, 7}, {2, 3, 4}, {2, 4, 5}};
     for (std::uint64_t seed = 0; seed < 5; ++seed) {
         std::vector<double> at;
-        for (const Point3& place : distributed(soup, {.sites = kSites, .seed = seed})) {
-            if (place.x > 1) at.push_back(place.x);
+        for (const Point3& position : distributed(soup, {.sites = kSites, .seed = seed})) {
+            if (position.x > 1) at.push_back(position.x);
         }
         std::ranges::sort(at);
         EXPECT_NEAR(static_cast<double>(at.size()), 3 * kRoad / kAll * kSites, 3) << seed;

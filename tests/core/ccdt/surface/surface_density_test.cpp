@@ -50,7 +50,7 @@ TEST(SurfaceDensity, IsLinearBetweenValuesAtVertices) {
     ASSERT_TRUE(density);
     for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
         const SurfacePoint point{f, {0.5, 0.3, 0.2}};
-        const Point3 p = surface.place(point);
+        const Point3 p = surface.position(point);
         EXPECT_NEAR(density->at(point), (p.x + 2 * p.y) / 3, 1e-12);
         EXPECT_NEAR(density->at_corner(f, 2), density->at({f, {0, 0, 1}}), 1e-12);
     }
@@ -79,7 +79,7 @@ TEST(SurfaceDensity, FollowsTheDarknessOfColours) {
     ASSERT_TRUE(density);
     for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
         for (std::uint32_t k = 0; k < 3; ++k) {
-            const Point3 p = surface.places(f)[k];
+            const Point3 p = surface.positions(f)[k];
             const double darkness[] = {1, 0.5, 0, 1 - 0.7152};
             EXPECT_NEAR(density->at_corner(f, k), darkness[static_cast<int>(p.x + 2 * p.y)], 1e-6);
         }

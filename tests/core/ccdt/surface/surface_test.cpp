@@ -44,7 +44,7 @@ double area(const Surface& surface) {
 double volume(const Surface& surface) {
     double sum = 0;
     for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
-        const auto [a, b, c] = surface.places(f);
+        const auto [a, b, c] = surface.positions(f);
         sum += dot(a, cross(b, c)) / 6;
     }
     return sum;
@@ -160,7 +160,7 @@ TEST(Surface, TurnsTrianglesOver) {
         for (std::size_t k = 0; k < 3; ++k) {
             p = p + weights[k] * soup.vertices[soup.triangles[cube.surface.triangle_of(f)][k]];
         }
-        expect_near(p, cube.surface.place(point), 1e-12);
+        expect_near(p, cube.surface.position(point), 1e-12);
     }
     for (auto& [a, b, c] : soup.triangles) std::swap(a, b);
     EXPECT_DOUBLE_EQ(volume(made(soup).surface), 1);
@@ -322,9 +322,9 @@ TEST(Surface, HasNoCracksAtTrianglesWithoutArea) {
     EXPECT_EQ(made(square_with_a_cap(), 0.1).surface.component_count(), 1U);
     for (const double share : {0.1, 0.3, 0.5, 0.6}) {
         const SurfacePoint start{0, {0.8 - share, share, 0.2}};
-        const Point3 p = square.surface.place(start), move{-0.1, 0.3 + share, 0};
+        const Point3 p = square.surface.position(start), move{-0.1, 0.3 + share, 0};
         const SurfacePoint end = square.surface.trace(start, move);
-        expect_near(square.surface.place(end), p + move, 1e-9);
+        expect_near(square.surface.position(end), p + move, 1e-9);
     }
 }
 
@@ -390,11 +390,11 @@ TEST(Surface, Stops) {
 TEST(Surface, EndsTracesAtBordersAndCreases) {
     const Surface square = made(square_surface(5)).surface;
     const SurfacePoint start{20, {0.2, 0.3, 0.5}};
-    const Point3 p = square.place(start);
+    const Point3 p = square.position(start);
     for (const Point3 move : {Point3{2, 0.3, 0}, {-3, 1, 0}, {0, 7, 9}, {0.1, -1e300, 0}}) {
         const SurfacePoint end = square.trace(start, move);
         expect_inside(end, square);
-        const Point3 q = square.place(end);
+        const Point3 q = square.position(end);
         EXPECT_LT(std::min({q.x, q.y, 1 - q.x, 1 - q.y}), 1e-8);
         EXPECT_GT(std::min({q.x, q.y, 1 - q.x, 1 - q.y}), 0);
         EXPECT_NEAR((q.x - p.x) * move.y, (q.y - p.y) * move.x, 1e-8 * std::abs(move.y));
@@ -424,13 +424,13 @@ TEST(Surface, TracesThroughVerticesAndAlongEdges) {
     for (std::uint32_t f = 0; f < square.face_count(); ++f) {
         for (const std::array<double, 3> weights :
              {std::array<double, 3>{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.5, 0.5, 0}, {0, 0.5, 0.5}, {0.25, 0.5, 0.25}}) {
-            const Point3 p = square.place({f, weights});
+            const Point3 p = square.position({f, weights});
             for (int x = 0; x <= 8; ++x) {
                 for (int y = 0; y <= 8; ++y) {
                     const Point3 move{x / 8. - p.x, y / 8. - p.y, 0};
                     const SurfacePoint end = square.trace({f, weights}, move);
                     expect_inside(end, square);
-                    expect_near(square.place(end), p + move, 1e-8);
+                    expect_near(square.position(end), p + move, 1e-8);
                 }
             }
         }
@@ -443,12 +443,12 @@ TEST(Surface, TracesGreatCircles) {
     for (int i = 0; i < 200; ++i) {
         const auto face = static_cast<std::uint32_t>(random.uniform() * static_cast<double>(sphere.face_count()));
         const SurfacePoint start{face, {0.2, 0.5, 0.3}};
-        const Point3 p = sphere.to_input(sphere.place(start));
+        const Point3 p = sphere.to_input(sphere.position(start));
         const Point3 sideways = cross(p, {random.uniform() - 0.5, random.uniform() - 0.5, random.uniform() - 0.5});
         const double angle = 3 * random.uniform();
         const Point3 direction = 1 / length(sideways) * sideways;
         const SurfacePoint end = sphere.trace(start, angle / sphere.scale() * direction);
-        expect_near(sphere.to_input(sphere.place(end)), std::cos(angle) * p + std::sin(angle) * direction, 0.02);
+        expect_near(sphere.to_input(sphere.position(end)), std::cos(angle) * p + std::sin(angle) * direction, 0.02);
     }
 }
 
@@ -457,16 +457,16 @@ TEST(Surface, TracesLinesAroundACube) {
     const Surface surface = made(cube_surface()).surface;
     SurfacePoint start;
     for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
-        const auto places = surface.places(f);
-        if (places[0].z + places[1].z + places[2].z == 0) start = {f, {0.5, 0.25, 0.25}};
+        const auto positions = surface.positions(f);
+        if (positions[0].z + positions[1].z + positions[2].z == 0) start = {f, {0.5, 0.25, 0.25}};
     }
-    const Point3 p = surface.place(start);
+    const Point3 p = surface.position(start);
     const SurfacePoint side = surface.trace(start, {1, 0, 0});
     expect_inside(side, surface);
-    expect_near(surface.place(side), {1, p.y, p.x}, 1e-9);
-    expect_near(surface.place(surface.trace(start, {2, 0, 0})), {1 - p.x, p.y, 1}, 1e-9);
-    expect_near(surface.place(surface.trace(start, {4, 0, 0})), p, 1e-9);
-    expect_near(surface.place(surface.trace(start, {0, 400, 0})), p, 1e-7);
+    expect_near(surface.position(side), {1, p.y, p.x}, 1e-9);
+    expect_near(surface.position(surface.trace(start, {2, 0, 0})), {1 - p.x, p.y, 1}, 1e-9);
+    expect_near(surface.position(surface.trace(start, {4, 0, 0})), p, 1e-9);
+    expect_near(surface.position(surface.trace(start, {0, 400, 0})), p, 1e-7);
 }
 
 TEST(Surface, FindsNearestPoints) {
@@ -474,7 +474,7 @@ TEST(Surface, FindsNearestPoints) {
     const auto nearest = [](const Surface& surface, Point3 p) {
         const SurfacePoint found = surface.nearest(p);
         expect_inside(found, surface);
-        return surface.place(found);
+        return surface.position(found);
     };
     expect_near(nearest(cube, {0.25, 0.5, 0.9}), {0.25, 0.5, 1}, 1e-12);
     expect_near(nearest(cube, {0.25, 2, 3}), {0.25, 1, 1}, 1e-12);
@@ -498,21 +498,21 @@ TEST(Surface, FindsNearestPointsAmongNeedlesAndWithinADistance) {
     Random random(3, 1);
     for (int i = 0; i < 200; ++i) {
         const Point3 p{random.uniform() * 2 - 0.5, random.uniform() * 2 - 0.5, random.uniform() * 2 - 0.5};
-        const double distance = length(surface.place(surface.nearest(p)) - p);
+        const double distance = length(surface.position(surface.nearest(p)) - p);
         for (std::uint32_t face = 0; face < surface.face_count(); ++face) {
             for (std::size_t k = 0; k < 3; ++k) {
                 for (const double t : {0.0, 0.25, 0.5}) {
                     SurfacePoint other{face, {}};
                     other.weights[k] = 1 - t;
                     other.weights[(k + 1) % 3] = t;
-                    ASSERT_GE(length(surface.place(other) - p), distance - 1e-12);
+                    ASSERT_GE(length(surface.position(other) - p), distance - 1e-12);
                 }
             }
         }
         EXPECT_FALSE(surface.nearest_within(p, distance * (1 - 1e-9)));
         const auto near = surface.nearest_within(p, distance * (1 + 1e-9));
         ASSERT_TRUE(near);
-        EXPECT_EQ(length(surface.place(*near) - p), distance);
+        EXPECT_EQ(length(surface.position(*near) - p), distance);
     }
 }
 
@@ -555,9 +555,9 @@ TEST(Surface, MakesSurfacesOfAnyTriangles) {
             const SurfacePoint end = surface.trace(start, (j % 5 == 0 ? 1e6 : 1) * move);
             expect_inside(end, surface);
             EXPECT_EQ(surface.component(end.face), surface.component(start.face));
-            const SurfacePoint nearest = surface.nearest(surface.place(end));
+            const SurfacePoint nearest = surface.nearest(surface.position(end));
             expect_inside(nearest, surface);
-            expect_near(surface.place(nearest), surface.place(end), 1e-9);
+            expect_near(surface.position(nearest), surface.position(end), 1e-9);
         }
     }
     EXPECT_GT(usable, 1000);

@@ -42,7 +42,7 @@ double least_distance(std::span<const Point3> points) {
 double distance_to_surface(const Solid& solid, Point3 p) {
     const Surface& surface = solid.surface();
     const Point3 unit = surface.from_input(p);
-    return surface.scale() * length(surface.place(surface.nearest(unit)) - unit);
+    return surface.scale() * length(surface.position(surface.nearest(unit)) - unit);
 }
 
 /// Returns the share of the volume up to a depth, by random points.

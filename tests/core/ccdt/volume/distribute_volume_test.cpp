@@ -246,12 +246,12 @@ TEST(DistributeInVolume, SpreadsSitesAlongTheLongSidesOfThinDomains) {
     for (const bool periodic : {false, true}) {
         for (const double thickness : {1e-3, 1e-7, 1e-200}) {
             const BoxDomain3 rod{{thickness, 5, thickness}, periodic};
-            std::vector<double> places;
-            for (const Point3 p : distributed(rod, {.sites = 200}).points) places.push_back(p.y / rod.sides.y);
-            std::ranges::sort(places);
-            for (std::size_t i = 1; i < places.size(); ++i) {
-                EXPECT_GT(200 * (places[i] - places[i - 1]), 0.85) << periodic << thickness;
-                EXPECT_LT(200 * (places[i] - places[i - 1]), 1.15) << periodic << thickness;
+            std::vector<double> positions;
+            for (const Point3 p : distributed(rod, {.sites = 200}).points) positions.push_back(p.y / rod.sides.y);
+            std::ranges::sort(positions);
+            for (std::size_t i = 1; i < positions.size(); ++i) {
+                EXPECT_GT(200 * (positions[i] - positions[i - 1]), 0.85) << periodic << thickness;
+                EXPECT_LT(200 * (positions[i] - positions[i - 1]), 1.15) << periodic << thickness;
             }
             const BoxDomain3 plate{{1, 1, thickness}, periodic};
             std::vector<Point3> in_plane = distributed(plate, {.sites = 900}).points;
@@ -305,17 +305,17 @@ TEST(DistributeInVolume, FillsTheDomainWithTetrahedra) {
 /// Returns the sorted Delaunay tetrahedra of points on a torus. Triangulates all copies in a window.
 /// @param around  number of copies on each side, for each axis
 std::vector<Tetrahedron> all_tetrahedra(Point3 sides, std::span<const Point3> points, std::array<int, 3> around) {
-    std::vector<Point3> places(points.begin(), points.end());
+    std::vector<Point3> positions(points.begin(), points.end());
     for (int i = -around[0]; i <= around[0]; ++i) {
         for (int j = -around[1]; j <= around[1]; ++j) {
             for (int k = -around[2]; k <= around[2]; ++k) {
                 if (i == 0 && j == 0 && k == 0) continue;
-                for (const Point3 p : points) places.push_back(p + Point3{i * sides.x, j * sides.y, k * sides.z});
+                for (const Point3 p : points) positions.push_back(p + Point3{i * sides.x, j * sides.y, k * sides.z});
             }
         }
     }
     std::vector<Tetrahedron> found;
-    for (Tetrahedron corners : delaunay_tetrahedra(places)) {
+    for (Tetrahedron corners : delaunay_tetrahedra(positions)) {
         const auto number = [&](std::uint32_t corner) { return corner % static_cast<std::uint32_t>(points.size()); };
         const auto lowest = std::ranges::min(corners, {}, [&](auto corner) {
             return std::array{number(corner), corner};
@@ -436,7 +436,7 @@ TEST(DistributeInVolume, RejectsOptionsOutOfRange) {
         return result ? std::string() : result.error().field;
     };
     EXPECT_EQ(field(kBox, {.sites = 0}), "sites");
-    EXPECT_EQ(field(kBox, {.sites = VolumeOptions::kMostPoints, .fixed = {{0.5, 0.5, 0.5}}}), "sites");
+    EXPECT_EQ(field(kBox, {.sites = VolumeOptions::kMaxPoints, .fixed = {{0.5, 0.5, 0.5}}}), "sites");
     EXPECT_EQ(field({{1, 0, 1}, false}, {.sites = 1}), "domain");
     EXPECT_EQ(field({{1, std::numeric_limits<double>::quiet_NaN(), 1}, false}, {.sites = 1}), "domain");
     EXPECT_EQ(field({{1, std::numeric_limits<double>::infinity(), 1}, true}, {.sites = 1}), "domain");

@@ -10,7 +10,7 @@ namespace {
 
 /// Calls function(a, b, c) for the barycentric coordinates of the centres of small triangles of equal area.
 template <class Function>
-void for_places(const Function& function) {
+void for_positions(const Function& function) {
     constexpr int kSide = 300;
     for (int i = 0; i < kSide; ++i) {
         for (int j = 0; i + j < kSide; ++j) {
@@ -26,7 +26,7 @@ TEST(SpotFunction, CoversEachShareOfATriangle) {
     const SpotFunction spots;
     for (const float share : {0.01f, 0.1f, 0.3f, 0.45f, 0.5f, 0.55f, 0.6f, 0.75f, 0.9f, 0.99f}) {
         double covered = 0, all = 0;
-        for_places([&](float a, float b, float c) {
+        for_positions([&](float a, float b, float c) {
             ++all;
             if (spots(a, b, c) > 1 - share) ++covered;
         });

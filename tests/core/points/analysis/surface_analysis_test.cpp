@@ -106,7 +106,7 @@ TEST(SurfaceAnalysis, DoesNotDependOnTheTriangles) {
     const Surface one = surface_of(test::cube_surface()), other = surface_of(fine);
     const auto points = random_points(one, 300, 1);
     std::vector<SurfacePoint> same;
-    for (const SurfacePoint& p : points) same.push_back(other.nearest(one.place(p)));
+    for (const SurfacePoint& p : points) same.push_back(other.nearest(one.position(p)));
     const auto a = analyse_surface(one, points, 30), b = analyse_surface(other, same, 30);
     EXPECT_EQ(count_mode_vertices(one, 30), 1538);
     EXPECT_EQ(count_mode_vertices(other, 30), 1538);

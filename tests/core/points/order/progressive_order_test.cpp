@@ -142,18 +142,18 @@ TEST(ProgressiveOrder, KeepsTheFirstPointsApartAtThePole) {
 }
 
 struct SurfacePoints {
-    std::vector<Point3> places;
+    std::vector<Point3> positions;
     std::vector<Point3> normals;
     double area = 0;
 
     std::vector<std::uint32_t> order(bool uniform, Executor& executor = inline_executor(), bool closed = true) const {
-        return progressive_order_on_surface(places, normals, area, uniform, closed, {}, executor);
+        return progressive_order_on_surface(positions, normals, area, uniform, closed, {}, executor);
     }
 
     SurfacePoints first_of(const std::vector<std::uint32_t>& order, std::size_t k) const {
         SurfacePoints first{{}, {}, area};
         for (std::size_t i = 0; i < k; ++i) {
-            first.places.push_back(places[order[i]]);
+            first.positions.push_back(positions[order[i]]);
             first.normals.push_back(normals[order[i]]);
         }
         return first;
@@ -162,13 +162,13 @@ struct SurfacePoints {
     /// Returns the distance of each point from its nearest neighbour on the same side, relative to a hexagonal grid of
     /// as many points, in ascending order.
     std::vector<double> distances() const {
-        const double hexagonal = hexagonal_spacing(static_cast<double>(places.size()) / area), reach = 2 * hexagonal;
-        const CellList3 cells(places);
-        std::vector<double> distances(places.size(), reach / hexagonal);
-        for (std::size_t i = 0; i < places.size(); ++i) {
-            cells.for_near(places[i], reach, [&](Point3 place, std::uint32_t number) {
+        const double hexagonal = hexagonal_spacing(static_cast<double>(positions.size()) / area), reach = 2 * hexagonal;
+        const CellList3 cells(positions);
+        std::vector<double> distances(positions.size(), reach / hexagonal);
+        for (std::size_t i = 0; i < positions.size(); ++i) {
+            cells.for_near(positions[i], reach, [&](Point3 position, std::uint32_t number) {
                 if (number != i && dot(normals[i], normals[number]) >= 0)
-                    distances[i] = std::min(distances[i], length(place - places[i]) / hexagonal);
+                    distances[i] = std::min(distances[i], length(position - positions[i]) / hexagonal);
             });
         }
         std::ranges::sort(distances);
@@ -185,11 +185,11 @@ SurfacePoints sphere(std::size_t points) {
     constexpr double kPi = std::numbers::pi;
     Random random(11, 0);
     SurfacePoints sphere{{}, {}, 4 * kPi};
-    while (sphere.places.size() < 8 * points) {
+    while (sphere.positions.size() < 8 * points) {
         const double z = 1 - 2 * random.uniform(), angle = 2 * kPi * random.uniform(), radius = std::sqrt(1 - z * z);
-        sphere.places.push_back({radius * std::cos(angle), radius * std::sin(angle), z});
+        sphere.positions.push_back({radius * std::cos(angle), radius * std::sin(angle), z});
     }
-    sphere.normals = sphere.places;
+    sphere.normals = sphere.positions;
     return sphere.first_of(sphere.order(true), points);
 }
 
@@ -199,12 +199,12 @@ SurfacePoints ring(std::size_t points) {
     constexpr double kPi = std::numbers::pi, kLarge = 3, kSmall = 1;
     Random random(12, 0);
     SurfacePoints ring{{}, {}, 4 * kPi * kPi * kLarge * kSmall};
-    while (ring.places.size() < 8 * points) {
+    while (ring.positions.size() < 8 * points) {
         const double u = 2 * kPi * random.uniform(), v = 2 * kPi * random.uniform();
         if (random.uniform() * (kLarge + kSmall) > kLarge + kSmall * std::cos(v)) continue;
         const Point3 outwards{std::cos(u), std::sin(u), 0};
         ring.normals.push_back(std::cos(v) * outwards + Point3{0, 0, std::sin(v)});
-        ring.places.push_back(Point3{50, -20, 7} + kLarge * outwards + kSmall * ring.normals.back());
+        ring.positions.push_back(Point3{50, -20, 7} + kLarge * outwards + kSmall * ring.normals.back());
     }
     return ring.first_of(ring.order(true), points);
 }
@@ -214,11 +214,11 @@ SurfacePoints cube(std::size_t points) {
     const std::array<Point3, 3> axes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     Random random(13, 0);
     SurfacePoints cube{{}, {}, 24};
-    while (cube.places.size() < 8 * points) {
-        const std::size_t face = cube.places.size() % 6;
+    while (cube.positions.size() < 8 * points) {
+        const std::size_t face = cube.positions.size() % 6;
         const Point3 normal = (face < 3 ? 1.0 : -1.0) * axes[face % 3];
         const double u = 2 * random.uniform() - 1, v = 2 * random.uniform() - 1;
-        cube.places.push_back(normal + u * axes[(face + 1) % 3] + v * axes[(face + 2) % 3]);
+        cube.positions.push_back(normal + u * axes[(face + 1) % 3] + v * axes[(face + 2) % 3]);
         cube.normals.push_back(normal);
     }
     return cube.first_of(cube.order(true), points);
@@ -231,7 +231,7 @@ SurfacePoints plate(const Density& density, std::size_t sites) {
     for (const std::uint64_t seed : {1, 2}) {
         const Point3 normal = seed == 1 ? up : -1 * up;
         for (const Point p : distributed(*Domain::rectangle(1, 1), density, sites, seed)) {
-            plate.places.push_back(p.x * along + p.y * across + 1e-5 * normal);
+            plate.positions.push_back(p.x * along + p.y * across + 1e-5 * normal);
             plate.normals.push_back(normal);
         }
     }
@@ -241,7 +241,7 @@ SurfacePoints plate(const Density& density, std::size_t sites) {
 TEST(ProgressiveOrderOnSurface, SpreadsAnyNumberOfFirstPoints) {
     for (const SurfacePoints& points : {sphere(4'096), ring(4'096), cube(4'096)}) {
         const auto order = points.order(true);
-        ASSERT_TRUE(is_permutation(order, points.places.size()));
+        ASSERT_TRUE(is_permutation(order, points.positions.size()));
         for (std::size_t k = 4'096; k >= 64; k /= 2) {
             const std::vector<double> distances = points.first_of(order, k).distances();
             EXPECT_GT(distances.front(), 0.57) << k;
@@ -253,12 +253,12 @@ TEST(ProgressiveOrderOnSurface, SpreadsAnyNumberOfFirstPoints) {
 TEST(ProgressiveOrderOnSurface, KeepsTheFirstPointsApartOnSurfacesWithBorders) {
     const SurfacePoints whole = sphere(8'192);
     SurfacePoints half{{}, {}, whole.area / 2};
-    for (const Point3 p : whole.places) {
-        if (p.z > 0) half.places.push_back(p);
+    for (const Point3 p : whole.positions) {
+        if (p.z > 0) half.positions.push_back(p);
     }
-    half.normals = half.places;
+    half.normals = half.positions;
     const auto order = half.order(true, inline_executor(), false);
-    for (std::size_t k = half.places.size(); k >= 64; k = k * 3 / 4)
+    for (std::size_t k = half.positions.size(); k >= 64; k = k * 3 / 4)
         EXPECT_GT(half.first_of(order, k).distances().front(), 0.579) << k;
 }
 
@@ -290,7 +290,7 @@ TEST(ProgressiveOrderOnSurface, SuppressesLongWaves) {
     double power = 0;
     for (const std::size_t k : {2'048, 1'024, 512}) {
         const int degrees = static_cast<int>(std::sqrt(static_cast<double>(k)) / 4);
-        power += low_power(points.first_of(order, k).places, degrees) / 3;
+        power += low_power(points.first_of(order, k).positions, degrees) / 3;
     }
     EXPECT_LT(power, 0.038);
 }
@@ -312,17 +312,17 @@ TEST(ProgressiveOrderOnSurface, FollowsTheDensity) {
     constexpr std::array<double, 4> kValues = {1, 6, 2, 3};
     const SurfacePoints points = plate(*Density::grid(2, 2, std::span<const double>(kValues)), 4'096);
     const auto order = points.order(false);
-    for (std::size_t k = 64; k <= points.places.size(); k *= 2) {
+    for (std::size_t k = 64; k <= points.positions.size(); k *= 2) {
         std::array<SurfacePoints, 4> parts;
         const SurfacePoints first = points.first_of(order, k);
         for (std::size_t i = 0; i < k; ++i) {
-            SurfacePoints& part = parts[(first.places[i].y < 0.5 ? 0 : 2) + (first.places[i].x < 0.3 ? 0 : 1)];
-            part.places.push_back(first.places[i]);
+            SurfacePoints& part = parts[(first.positions[i].y < 0.5 ? 0 : 2) + (first.positions[i].x < 0.3 ? 0 : 1)];
+            part.positions.push_back(first.positions[i]);
             part.normals.push_back(first.normals[i]);
         }
         for (std::size_t i = 0; i < 4; ++i) {
             const double wanted = kValues[i] / 12 * static_cast<double>(k);
-            const std::size_t count = parts[i].places.size();
+            const std::size_t count = parts[i].positions.size();
             EXPECT_NEAR(static_cast<double>(count), wanted, 3 + 0.08 * wanted) << k << ' ' << i;
             parts[i].area = 0.5;
             EXPECT_GT(parts[i].distances().front(), 0.43) << k << ' ' << i;
@@ -346,11 +346,11 @@ TEST(ProgressiveOrderOnSurface, AcceptsDegeneratePoints) {
     EXPECT_TRUE(progressive_order_on_surface({}, {}, 1, false, true).empty());
     SurfacePoints points{{{3, 2, 1}}, {{0, 0, 1}}, 1};
     EXPECT_EQ(points.order(false), std::vector<std::uint32_t>{0});
-    points.places.resize(100, points.places[0]);
+    points.positions.resize(100, points.positions[0]);
     points.normals.resize(100, points.normals[0]);
     EXPECT_TRUE(is_permutation(points.order(false), 100));
     EXPECT_TRUE(is_permutation(points.order(true), 100));
-    for (std::size_t i = 0; i < points.places.size(); ++i) points.places[i].x += static_cast<double>(i);
+    for (std::size_t i = 0; i < points.positions.size(); ++i) points.positions[i].x += static_cast<double>(i);
     EXPECT_TRUE(is_permutation(points.order(false), 100));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/routes/computing.h"
+#include "server/routes/compute_routes.h"
 
 #include <algorithm>
 #include <condition_variable>
@@ -94,7 +94,7 @@ Response response_of(api::Answer answer, const std::string& name, Record& record
 }  // namespace
 
 /// A request with its memory reservation. Shared with the worker, which may need it after the connection has ended.
-struct Computing::AcceptedRequest {
+struct ComputeRoutes::AcceptedRequest {
     const Operation& operation;
     ComputeRequest request;
     std::string name;  ///< name of the answer
@@ -102,7 +102,7 @@ struct Computing::AcceptedRequest {
 };
 
 /// An answer, and the memory reservation of its computation.
-struct Computing::ComputedAnswer {
+struct ComputeRoutes::ComputedAnswer {
     api::Answer answer;
     MemoryBudget::Lease lease;
     Progress last;                        ///< last progress of the computation
@@ -112,7 +112,7 @@ struct Computing::ComputedAnswer {
 /// A future result that a worker passes to the thread of a connection. The connection may end before the result
 /// arrives.
 template <class T>
-class Computing::PendingResult {
+class ComputeRoutes::PendingResult {
 public:
     void begin() {
         const std::lock_guard lock(mutex_);
@@ -180,7 +180,7 @@ private:
 };
 
 /// Passes a large body from its computation to the connection. Copies the body for the cache, unless it is too large.
-class Computing::TeeWriter : public api::BodySink {
+class ComputeRoutes::TeeWriter : public api::BodySink {
 public:
     /// @param last     last progress of the computation, which must not change once the body has begun
     /// @param largest  maximum size of cached bodies, in bytes
@@ -226,8 +226,8 @@ private:
     std::optional<api::Answer> copy_;
 };
 
-Computing::Computing(const Config& config, WorkerPool& pool, MemoryBudget& waiting_memory, Compute compute,
-                     ReadShapefile read_shapefile, Jobs& jobs, RedisClient* answers)
+ComputeRoutes::ComputeRoutes(const Config& config, WorkerPool& pool, MemoryBudget& waiting_memory, Compute compute,
+                             ReadShapefile read_shapefile, JobService& jobs, RedisClient* answers)
     : config_(config),
       pool_(pool),
       waiting_memory_(waiting_memory),
@@ -236,7 +236,7 @@ Computing::Computing(const Config& config, WorkerPool& pool, MemoryBudget& waiti
       jobs_(jobs),
       cache_(config.cache, answers) {}
 
-HttpResult<Response> Computing::answer(const Operation& operation, const Incoming& incoming) {
+HttpResult<Response> ComputeRoutes::answer(const Operation& operation, const Incoming& incoming) {
     const Request& request = incoming.request;
     ComputeRequest to_compute{request.path,
                               request.query,
@@ -257,8 +257,8 @@ HttpResult<Response> Computing::answer(const Operation& operation, const Incomin
     return defer(*accepted, incoming);
 }
 
-HttpResult<Response> Computing::answer(const Operation& operation, OpenFile picture, std::string options,
-                                       const Incoming& incoming) {
+HttpResult<Response> ComputeRoutes::answer(const Operation& operation, OpenFile picture, std::string options,
+                                           const Incoming& incoming) {
     if (auto checked = check_drain(incoming); !checked) return tl::unexpected(checked.error());
     auto lease = reserve_memory(picture.size());
     if (!lease) return tl::unexpected(lease.error());
@@ -275,14 +275,14 @@ HttpResult<Response> Computing::answer(const Operation& operation, OpenFile pict
 }
 
 /// Answers with a 304 if the client has the answer, with a cached answer, or with a new one.
-HttpResult<Response> Computing::respond(const AcceptedPointer& accepted, const Incoming& incoming) {
+HttpResult<Response> ComputeRoutes::respond(const AcceptedPointer& accepted, const Incoming& incoming) {
     if (const auto tag = known_tag(incoming, accepted->name)) return not_modified(*tag);
     const bool compressed = accepts_gzip(incoming.request.header("Accept-Encoding"));
     if (auto response = find_cached(accepted->name, compressed, incoming)) return *std::move(response);
     return compute(accepted, compressed, incoming);
 }
 
-HttpResult<Response> Computing::compute(const AcceptedPointer& given, bool compressed, const Incoming& incoming) {
+HttpResult<Response> ComputeRoutes::compute(const AcceptedPointer& given, bool compressed, const Incoming& incoming) {
     const auto deadline = Clock::now() + config_.timeout;
     const auto converted = convert_shapefile(given, incoming, deadline);
     if (!converted) return tl::unexpected(converted.error());
@@ -311,8 +311,8 @@ HttpResult<Response> Computing::compute(const AcceptedPointer& given, bool compr
 /// Returns the function that sends a large body while it is computed.
 /// @param doubt   becomes the cause in the log if the body is complete
 /// @param latest  time by which the computation must end
-Stream Computing::stream_of(const ComputedAnswer& computed, std::string doubt, const Incoming& incoming,
-                            Clock::time_point latest) const {
+Stream ComputeRoutes::stream_of(const ComputedAnswer& computed, std::string doubt, const Incoming& incoming,
+                                Clock::time_point latest) const {
     return [this, pipe = computed.pipe, doubt = std::move(doubt), &connection = incoming.connection, latest](
                const Send& send, Record& record) {
         while (!pipe->is_over()) {
@@ -339,12 +339,12 @@ Stream Computing::stream_of(const ComputedAnswer& computed, std::string doubt, c
 
 /// Returns the owner in cache_key(): the API key or, with --cache-shared, none. Separate answers prevent that response
 /// times reveal the requests of other keys.
-std::string Computing::cache_owner(const Connection& connection) const {
+std::string ComputeRoutes::cache_owner(const Connection& connection) const {
     return config_.cache_shared ? "" : connection.key();
 }
 
 /// Returns the cached answer with a name; none if it is not cached or there is no memory to send it.
-std::optional<Response> Computing::find_cached(const std::string& name, bool compressed, const Incoming& incoming) {
+std::optional<Response> ComputeRoutes::find_cached(const std::string& name, bool compressed, const Incoming& incoming) {
     const auto answer = cache_.find(cache_key(name, compressed, cache_owner(incoming.connection)));
     if (answer == nullptr) return std::nullopt;
     auto lease = pool_.memory().reserve(answer->body.size());
@@ -357,13 +357,13 @@ std::optional<Response> Computing::find_cached(const std::string& name, bool com
 
 /// Refuses a computation during a shutdown, unless it is for the first request of its connection. The client can retry
 /// on a new connection.
-HttpResult<void> Computing::check_drain(const Incoming& incoming) const {
+HttpResult<void> ComputeRoutes::check_drain(const Incoming& incoming) const {
     if (draining_ && !incoming.connection.is_on_first_request()) return busy(503, "the server is shutting down");
     return {};
 }
 
 /// Reads the body of a request. Does not read it if there is a Content-Encoding, a shutdown or a full queue.
-HttpResult<std::string> Computing::read_body(const Incoming& incoming, bool deferred) const {
+HttpResult<std::string> ComputeRoutes::read_body(const Incoming& incoming, bool deferred) const {
     const Request& request = incoming.request;
     Connection& connection = incoming.connection;
     if (std::ranges::any_of(request.headers, is_encoding))
@@ -377,7 +377,7 @@ HttpResult<std::string> Computing::read_body(const Incoming& incoming, bool defe
 }
 
 /// Reserves memory for a request until it is answered.
-HttpResult<MemoryBudget::Lease> Computing::reserve_memory(std::size_t size) {
+HttpResult<MemoryBudget::Lease> ComputeRoutes::reserve_memory(std::size_t size) {
     if (size > waiting_memory_.total()) return too_large(size);
     auto lease = waiting_memory_.reserve(size);
     if (!lease) return busy(429, "too many large requests are waiting");
@@ -385,8 +385,8 @@ HttpResult<MemoryBudget::Lease> Computing::reserve_memory(std::size_t size) {
 }
 
 /// Computes the name of the answer, and converts a form to a plain body.
-HttpResult<Computing::AcceptedPointer> Computing::prepare(const Operation& operation, ComputeRequest request,
-                                                          MemoryBudget::Lease lease) {
+HttpResult<ComputeRoutes::AcceptedPointer> ComputeRoutes::prepare(const Operation& operation, ComputeRequest request,
+                                                                  MemoryBudget::Lease lease) {
     auto fields = find_fields(request);
     if (!fields) return problem(std::move(fields.error()));
     std::string name = name_of_answer(request, *fields, config_.limits);
@@ -397,7 +397,7 @@ HttpResult<Computing::AcceptedPointer> Computing::prepare(const Operation& opera
 }
 
 /// Turns a request into a job: parses the request now, and stores it to be computed later.
-HttpResult<Response> Computing::defer(const AcceptedPointer& given, const Incoming& incoming) {
+HttpResult<Response> ComputeRoutes::defer(const AcceptedPointer& given, const Incoming& incoming) {
     const auto deadline = Clock::now() + config_.timeout;
     const auto converted = convert_shapefile(given, incoming, deadline);
     if (!converted) return tl::unexpected(converted.error());
@@ -417,9 +417,9 @@ HttpResult<Response> Computing::defer(const AcceptedPointer& given, const Incomi
 }
 
 /// Converts a zipped shapefile to GeoJSON in a worker. Returns other requests unchanged.
-HttpResult<Computing::AcceptedPointer> Computing::convert_shapefile(const AcceptedPointer& accepted,
-                                                                    const Incoming& incoming,
-                                                                    Clock::time_point deadline) {
+HttpResult<ComputeRoutes::AcceptedPointer> ComputeRoutes::convert_shapefile(const AcceptedPointer& accepted,
+                                                                            const Incoming& incoming,
+                                                                            Clock::time_point deadline) {
     if (!holds_shapefile(accepted->operation, accepted->request)) return accepted;
     const std::size_t max_bytes = max_shapefile_bytes(config_.max_body, pool_.memory().total());
     Task<ComputeRequest> task = [this, accepted, max_bytes](const Control& control, api::Timings& timings, auto&) {
@@ -435,8 +435,8 @@ HttpResult<Computing::AcceptedPointer> Computing::convert_shapefile(const Accept
 }
 
 /// Parses a request and estimates its cost. Long requests are parsed in a worker.
-HttpResult<Computing::Forecast> Computing::forecast(const AcceptedPointer& accepted, const Incoming& incoming,
-                                                    Clock::time_point deadline) {
+HttpResult<ComputeRoutes::Forecast> ComputeRoutes::forecast(const AcceptedPointer& accepted, const Incoming& incoming,
+                                                            Clock::time_point deadline) {
     const auto find = [accepted, &limits = config_.limits] {
         return accepted->operation.parse(accepted->request, limits).map([&](const api::ParsedPointer& parsed) {
             return Forecast{cost_of_answering(accepted->operation, accepted->request, *parsed),
@@ -455,8 +455,8 @@ HttpResult<Computing::Forecast> Computing::forecast(const AcceptedPointer& accep
 /// Runs a task in a worker, and waits for the result. Adds the stages of the task to the record. If the pool displaces
 /// the task, runs it again as a long one.
 template <class T>
-HttpResult<T> Computing::run_in_worker(Task<T> task, api::Cost cost, const Incoming& incoming, const TimeLimit& limit,
-                                       Stoppable stoppable) {
+HttpResult<T> ComputeRoutes::run_in_worker(Task<T> task, api::Cost cost, const Incoming& incoming,
+                                           const TimeLimit& limit, Stoppable stoppable) {
     if (cost.memory > pool_.memory().total()) return too_large(cost.memory);
     while (true) {
         const auto pending = std::make_shared<PendingResult<T>>();
@@ -490,11 +490,11 @@ HttpResult<T> Computing::run_in_worker(Task<T> task, api::Cost cost, const Incom
     }
 }
 
-/// Waits for a result until the client closes the connection, the server shuts down (Computing::abandon), or the
+/// Waits for a result until the client closes the connection, the server shuts down (ComputeRoutes::abandon), or the
 /// deadline and the grace period have passed. A computation that still runs is told to stop, and ends later.
 template <class T>
-HttpResult<void> Computing::wait_for(PendingResult<T>& pending, WorkerPool::JobId job, const Incoming& incoming,
-                                     const TimeLimit& limit) {
+HttpResult<void> ComputeRoutes::wait_for(PendingResult<T>& pending, WorkerPool::JobId job, const Incoming& incoming,
+                                         const TimeLimit& limit) {
     while (!pending.wait_until(std::min(Clock::now() + kPollInterval, limit.deadline))) {
         if (incoming.connection.client_gone()) {
             pending.abandon();
@@ -514,9 +514,9 @@ HttpResult<void> Computing::wait_for(PendingResult<T>& pending, WorkerPool::JobI
     return {};
 }
 
-HttpResult<Computing::ComputedAnswer> Computing::run(const AcceptedPointer& accepted, const api::Cost& cost,
-                                                     bool compressed, const Incoming& incoming,
-                                                     const TimeLimit& limit) {
+HttpResult<ComputeRoutes::ComputedAnswer> ComputeRoutes::run(const AcceptedPointer& accepted, const api::Cost& cost,
+                                                             bool compressed, const Incoming& incoming,
+                                                             const TimeLimit& limit) {
     const std::string key = cache_key(accepted->name, compressed, cache_owner(incoming.connection));
     const bool in_pieces = incoming.request.method != "HEAD";
     Task<ComputedAnswer> task = [this, accepted, compressed, key, in_pieces](const Control& control,
@@ -540,18 +540,18 @@ HttpResult<Computing::ComputedAnswer> Computing::run(const AcceptedPointer& acce
     return run_in_worker(std::move(task), cost, incoming, limit);
 }
 
-tl::unexpected<Problem> Computing::busy(int status, std::string message) const {
+tl::unexpected<Problem> ComputeRoutes::busy(int status, std::string message) const {
     return server::busy(status, std::move(message), pool_.backlog());
 }
 
-tl::unexpected<Problem> Computing::too_large(std::size_t bytes) const {
+tl::unexpected<Problem> ComputeRoutes::too_large(std::size_t bytes) const {
     const auto mebibytes = [](std::size_t size) { return std::to_string((size >> 20) + 1) + " MiB"; };
     return problem(413, "this needs about " + mebibytes(bytes) + " of memory; this server's limit (memory) leaves " +
                             mebibytes(pool_.memory().total()) + " for computing and " +
                             mebibytes(waiting_memory_.total()) + " for requests");
 }
 
-tl::unexpected<Problem> Computing::too_slow(Record& record) const {
+tl::unexpected<Problem> ComputeRoutes::too_slow(Record& record) const {
     return cancelled(problem(504, "the computation took longer than the timeout of " +
                                       std::to_string(config_.timeout.count()) + " ms (timeout)"),
                      "deadline", record);

@@ -16,10 +16,10 @@
 #include "server/files/file_folder.h"
 #include "server/http/message.h"
 #include "server/http/problem.h"
-#include "server/jobs/jobs.h"
+#include "server/jobs/job_service.h"
 #include "server/pool/memory_budget.h"
 #include "server/pool/worker_pool.h"
-#include "server/requests/computation.h"
+#include "server/requests/compute.h"
 #include "server/requests/operation.h"
 #include "server/requests/shapefile_request.h"
 #include "server/routes/incoming.h"
@@ -27,13 +27,13 @@
 namespace ccdt::server {
 
 /// Answers requests that need a computation: while the client waits or, if the client prefers, as a job. Thread-safe.
-class Computing {
+class ComputeRoutes {
 public:
     /// @param waiting_memory  budget for requests until they are answered; the pool's budget is separate
     /// @param answers         Redis in which servers share answers; null: none
     /// `pool`, `waiting_memory`, `jobs` and `answers` must outlive this object.
-    Computing(const Config& config, WorkerPool& pool, MemoryBudget& waiting_memory, Compute compute,
-              ReadShapefile read_shapefile, Jobs& jobs, RedisClient* answers);
+    ComputeRoutes(const Config& config, WorkerPool& pool, MemoryBudget& waiting_memory, Compute compute,
+                  ReadShapefile read_shapefile, JobService& jobs, RedisClient* answers);
 
     HttpResult<Response> answer(const Operation& operation, const Incoming& incoming);
 
@@ -113,7 +113,7 @@ private:
     MemoryBudget& waiting_memory_;
     const Compute compute_;
     const ReadShapefile read_shapefile_;
-    Jobs& jobs_;
+    JobService& jobs_;
     ResultCache cache_;
     std::atomic<bool> draining_ = false;
     std::atomic<bool> abandoned_ = false;

@@ -8,13 +8,13 @@
 #include <string_view>
 
 #include "server/http/problem.h"
-#include "server/jobs/followed_jobs.h"
 #include "server/jobs/job.h"
 #include "server/jobs/job_limits.h"
 #include "server/jobs/job_runner.h"
 #include "server/jobs/job_store.h"
+#include "server/jobs/watched_jobs.h"
 #include "server/pool/worker_pool.h"
-#include "server/requests/computation.h"
+#include "server/requests/compute.h"
 
 namespace ccdt::server {
 
@@ -23,21 +23,22 @@ namespace ccdt::server {
 /// The store contains all accepted jobs and their outcomes. If servers share a store, each server runs the jobs that it
 /// has claimed (see JobRunner), and answers requests about all jobs. A job may run for `JobLimits::timeout`, and is
 /// deleted `JobLimits::ttl` after its end. Thread-safe.
-class Jobs : private JobListener {
+class JobService : private JobListener {
 public:
     using Clock = std::chrono::steady_clock;
     using Logger = JobRunner::Logger;
-    using Counts = JobRuns::Counts;
+    using Counts = ClaimedRuns::Counts;
 
     /// @param survives  whether the store outlives this process, so that the next process can run unfinished jobs
     /// The references must outlive this object. The store must have no other listener.
-    Jobs(const JobLimits& limits, JobStore& store, bool survives, WorkerPool& pool, Compute compute, Logger logger);
+    JobService(const JobLimits& limits, JobStore& store, bool survives, WorkerPool& pool, Compute compute,
+               Logger logger);
 
     /// Stops all runs.
-    ~Jobs() override;
+    ~JobService() override;
 
-    Jobs(const Jobs&) = delete;
-    Jobs& operator=(const Jobs&) = delete;
+    JobService(const JobService&) = delete;
+    JobService& operator=(const JobService&) = delete;
 
     /// Starts to run jobs, including jobs that are already in the store.
     void start() { runner_.start(); }
@@ -89,14 +90,14 @@ private:
     void missed() override;
 
     HttpResult<void> add(Job& job, const ComputeRequest& request);
-    void look_again(const std::string& id, FollowedJob& followed) const;
+    void look_again(const std::string& id, WatchedJob& watched) const;
 
     const JobLimits limits_;
     JobStore& store_;
     const bool survives_;
     WorkerPool& pool_;
     const Logger logger_;
-    FollowedJobs followed_;
+    WatchedJobs watched_;
     JobRunner runner_;
 };
 

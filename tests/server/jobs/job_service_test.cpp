@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/jobs/jobs.h"
+#include "server/jobs/job_service.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <string>
 
 #include "server/jobs/sqlite_job_store.h"
-#include "tests/server/computing_in_process.h"
+#include "tests/server/compute_in_process.h"
 #include "tests/server/waiting.h"
 
 namespace ccdt::server {
@@ -110,7 +110,7 @@ protected:
         Job job;
         bool holds = false;
         EXPECT_TRUE(test::wait_until(what, [&] {
-            const auto next = watch->next(Jobs::Clock::now() + test::kPatience);
+            const auto next = watch->next(JobService::Clock::now() + test::kPatience);
             if (next) job = *next;
             holds = next && condition(job);
             return holds || !next || is_finished(job.status);
@@ -137,7 +137,7 @@ protected:
     std::unique_ptr<JobStore> store_;
     WorkerPool pool_{1, 0};
     Compute compute_ = test::compute_in_process();
-    std::optional<Jobs> jobs_;
+    std::optional<JobService> jobs_;
 };
 
 TEST_F(JobsTest, ReturnTheSynchronousAnswer) {
@@ -161,9 +161,9 @@ TEST_F(JobsTest, ReportEveryProgressStep) {
     jobs_.emplace(JobLimits{}, *store_, false, pool_, compute_, [](const JobEnd&) {});
     const std::string id = submit(sample(R"("sites":500,"iterations":7)"));
     auto watch = jobs_->watch(id, kAlice);
-    const auto never = [] { return Jobs::Clock::now() + std::chrono::minutes(2); };
+    const auto never = [] { return JobService::Clock::now() + std::chrono::minutes(2); };
     EXPECT_EQ(watch->next(never())->status, JobStatus::Queued);
-    EXPECT_EQ(watch->next(Jobs::Clock::now()), std::nullopt);
+    EXPECT_EQ(watch->next(JobService::Clock::now()), std::nullopt);
     jobs_->start();
     double done = 0;
     auto job = watch->next(never());
@@ -177,7 +177,7 @@ TEST_F(JobsTest, ReportEveryProgressStep) {
     EXPECT_GT(done, 0.9);
     EXPECT_LT(done, 1);
     EXPECT_EQ(job->status, JobStatus::Succeeded);
-    EXPECT_EQ(watch->next(Jobs::Clock::now()), std::nullopt);
+    EXPECT_EQ(watch->next(JobService::Clock::now()), std::nullopt);
     EXPECT_EQ(jobs_->watch(id, kAlice)->next(never())->status, JobStatus::Succeeded)
         << "late watchers must get the current state at once";
 }
@@ -294,13 +294,13 @@ TEST_F(JobsTest, EndTheirWatchesWhenRemoved) {
     wait_until_running(running);
     const std::string lost = submit(kShort);
     auto watch = *jobs_->watch(lost, kAlice);
-    EXPECT_TRUE(watch.next(Jobs::Clock::now()));
+    EXPECT_TRUE(watch.next(JobService::Clock::now()));
     ASSERT_TRUE(*store_->remove(lost)) << "removing a job sends no notification";
-    EXPECT_FALSE(watch.next(Jobs::Clock::now()));
+    EXPECT_FALSE(watch.next(JobService::Clock::now()));
     EXPECT_FALSE(watch.is_over());
     watch.look_again();
-    EXPECT_TRUE(
-        test::wait_until("the end of a watch", [&] { return !watch.next(Jobs::Clock::now() + test::kPatience); }));
+    EXPECT_TRUE(test::wait_until("the end of a watch",
+                                 [&] { return !watch.next(JobService::Clock::now() + test::kPatience); }));
     EXPECT_TRUE(watch.is_over());
 }
 
@@ -359,9 +359,9 @@ TEST_F(JobsTest, FailAfterThreeInterruptedStarts) {
 
 /// Returns a computation that fails a number of times for lack of a decoder, and then succeeds.
 Compute failing(int times) {
-    return [left = std::make_shared<std::atomic<int>>(times), compute = test::compute_in_process()](
+    return [remaining = std::make_shared<std::atomic<int>>(times), compute = test::compute_in_process()](
                const auto& request, const auto& delivery, const auto& control, auto& timings) -> Result<api::Answer> {
-        if ((*left)-- > 0) return failure(ErrorCode::Unavailable, "no decoder");
+        if ((*remaining)-- > 0) return failure(ErrorCode::Unavailable, "no decoder");
         return compute(request, delivery, control, timings);
     };
 }

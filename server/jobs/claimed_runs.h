@@ -131,7 +131,7 @@ private:
 };
 
 /// The runs of all jobs that this server has claimed. Thread-safe.
-class JobRuns {
+class ClaimedRuns {
 public:
     using Clock = JobRun::Clock;
     using Run = std::shared_ptr<JobRun>;
@@ -143,7 +143,7 @@ public:
     };
 
     /// @param at_once  maximum number of jobs in the pool at the same time
-    explicit JobRuns(std::size_t at_once) : at_once_(at_once) {}
+    explicit ClaimedRuns(std::size_t at_once) : at_once_(at_once) {}
 
     void start();
 

@@ -128,14 +128,14 @@ private:
 
 /// Returns the goal of a triangle with a free site.
 template <class Mesh, class WeightOf>
-TriangleGoal aim(const Mesh& mesh, std::uint32_t triangle, const WeightOf& weight_of,
-                 FacedLengths<Mesh, WeightOf>& faced_lengths) {
+TriangleGoal goal_of(const Mesh& mesh, std::uint32_t triangle, const WeightOf& weight_of,
+                     FacedLengths<Mesh, WeightOf>& faced_lengths) {
     constexpr double kEdgeShare = 0.5;  // share of the strip; triangles with one border vertex get the rest
     // Target of a triangle with one border vertex. A smaller value crowds sites at the border, a larger one empties it:
     // benchmark BorderPattern.
     constexpr double kCornerShare = 0.61;
     // Least share, reached in a fan of 1,000 triangles. It keeps the terms in the equations of one vertex comparable.
-    constexpr double kLeastShare = 1e-3;
+    constexpr double kMinShare = 1e-3;
     const double weight = weight_of(triangle);
     const bool touches_border =
         !std::ranges::all_of(mesh.corners(triangle), [&](std::uint32_t v) { return mesh.is_site(v); });
@@ -145,7 +145,7 @@ TriangleGoal aim(const Mesh& mesh, std::uint32_t triangle, const WeightOf& weigh
     const double all = std::min(1.0, faced_lengths(facing_site(mesh, edge)));
     // The first row is half a row away from the border, but a whole row away from fixed sites.
     return {weight, touches_border ? kEdgeShare * own : std::min(1.0, own),
-            own < all ? std::max(kLeastShare, own / all) : 1};
+            own < all ? std::max(kMinShare, own / all) : 1};
 }
 
 template <class Mesh>
@@ -154,7 +154,7 @@ bool is_any_free(const Mesh& mesh, std::uint32_t triangle) {
 }
 
 /// Sums over all triangles, and the goals of the triangles that need goals of their own.
-struct Aims {
+struct BorderGoals {
     CapacitySums reached;
     std::vector<std::uint32_t> triangles;  ///< triangles with a corner that is not a free site, in ascending order
     std::vector<TriangleGoal> goals;       ///< goals of these triangles; all other triangles have target and share 1
@@ -166,19 +166,19 @@ struct Aims {
 ///                               whose sites all do count as even: targets assume that rows continue beside a row, so
 ///                               where the domain is narrower than the spacing, they would tell its width
 template <class Mesh, class ReachedBy, class WeightOf>
-Aims find_aims(const Mesh& mesh, ReachedBy&& reached_by, const WeightOf& weight_of,
-               std::span<const std::uint8_t> in_row = {}) {
-    constexpr std::size_t kRange = 8192;   // triangles per task
-    constexpr double kLeastTarget = 1e-9;  // smaller targets consist of rounding errors
+BorderGoals find_border_goals(const Mesh& mesh, ReachedBy&& reached_by, const WeightOf& weight_of,
+                              std::span<const std::uint8_t> in_row = {}) {
+    constexpr std::size_t kRange = 8192;  // triangles per task
+    constexpr double kMinTarget = 1e-9;   // smaller targets consist of rounding errors
     const std::size_t count = mesh.triangle_count();
     const auto is_even = [&](std::uint32_t t) {
         return !in_row.empty() && std::ranges::all_of(mesh.corners(t), [&](std::uint32_t v) {
             return !mesh.is_site(v) || in_row[v] != 0;
         });
     };
-    std::vector<Aims> parts((count + kRange - 1) / kRange);
+    std::vector<BorderGoals> parts((count + kRange - 1) / kRange);
     for_ranges(mesh.executor(), count, kRange, [&](std::size_t begin, std::size_t end) {
-        Aims own;
+        BorderGoals own;
         FacedLengths faced_lengths(mesh, weight_of);
         for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
             const double reached = reached_by(t);
@@ -194,15 +194,15 @@ Aims find_aims(const Mesh& mesh, ReachedBy&& reached_by, const WeightOf& weight_
             }
             const bool moves = is_any_free(mesh, t);  // otherwise no corner is free to move
             const TriangleGoal goal =
-                moves ? aim(mesh, t, weight_of, faced_lengths) : TriangleGoal{weight_of(t), reached, 1};
-            if (moves && goal.target >= kLeastTarget) add(goal.target);
+                moves ? goal_of(mesh, t, weight_of, faced_lengths) : TriangleGoal{weight_of(t), reached, 1};
+            if (moves && goal.target >= kMinTarget) add(goal.target);
             own.triangles.push_back(t);
             own.goals.push_back(goal);
         }
         parts[begin / kRange] = std::move(own);
     });
-    Aims all;
-    for (const Aims& part : parts) {
+    BorderGoals all;
+    for (const BorderGoals& part : parts) {
         all.reached.add(part.reached);
         all.triangles.insert(all.triangles.end(), part.triangles.begin(), part.triangles.end());
         all.goals.insert(all.goals.end(), part.goals.begin(), part.goals.end());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/jobs/job_runs.h"
+#include "server/jobs/claimed_runs.h"
 
 #include <algorithm>
 
@@ -141,7 +141,7 @@ void JobRun::add_latest(Job& job) const {
     job.progress = job_.progress;
 }
 
-void JobRuns::start() {
+void ClaimedRuns::start() {
     {
         const std::lock_guard lock(mutex_);
         started_ = true;
@@ -149,7 +149,7 @@ void JobRuns::start() {
     wake_claimer();
 }
 
-std::vector<JobRuns::Run> JobRuns::drain() {
+std::vector<ClaimedRuns::Run> ClaimedRuns::drain() {
     {
         const std::lock_guard lock(mutex_);
         if (std::exchange(draining_, true)) return {};
@@ -157,19 +157,19 @@ std::vector<JobRuns::Run> JobRuns::drain() {
     return all();
 }
 
-bool JobRuns::is_draining() const {
+bool ClaimedRuns::is_draining() const {
     const std::lock_guard lock(mutex_);
     return draining_;
 }
 
-bool JobRuns::may_claim() const {
+bool ClaimedRuns::may_claim() const {
     const std::lock_guard lock(mutex_);
     // Ends that are not stored yet count as jobs in the pool, because they take memory.
     const auto ends = std::ranges::count_if(runs_, [](const auto& run) { return run.second->has_end(); });
     return started_ && !draining_ && in_pool_ + static_cast<std::size_t>(ends) < at_once_;
 }
 
-bool JobRuns::add(const Run& run, bool for_pool) {
+bool ClaimedRuns::add(const Run& run, bool for_pool) {
     const Job job = run->job();
     const std::lock_guard lock(mutex_);
     runs_.insert_or_assign(job.id, run);
@@ -179,65 +179,65 @@ bool JobRuns::add(const Run& run, bool for_pool) {
     return true;
 }
 
-void JobRuns::leave_pool() {
+void ClaimedRuns::leave_pool() {
     const std::lock_guard lock(mutex_);
     --in_pool_;
     has_work_ = true;
     wake_.notify_all();
 }
 
-void JobRuns::wait_until_pool_is_left() {
+void ClaimedRuns::wait_until_pool_is_left() {
     std::unique_lock lock(mutex_);
     wake_.wait(lock, [this] { return in_pool_ == 0; });
 }
 
-void JobRuns::erase(const Run& run) {
+void ClaimedRuns::erase(const Run& run) {
     const std::lock_guard lock(mutex_);
     std::erase_if(runs_, [&](const auto& other) { return other.second == run; });
 }
 
-JobRuns::Run JobRuns::find(const std::string& id) const {
+ClaimedRuns::Run ClaimedRuns::find(const std::string& id) const {
     const std::lock_guard lock(mutex_);
     const auto found = runs_.find(id);
     return found == runs_.end() ? nullptr : found->second;
 }
 
-std::vector<JobRuns::Run> JobRuns::all() const {
+std::vector<ClaimedRuns::Run> ClaimedRuns::all() const {
     std::vector<Run> runs;
     const std::lock_guard lock(mutex_);
     for (const auto& [id, run] : runs_) runs.push_back(run);
     return runs;
 }
 
-void JobRuns::count_lost() {
+void ClaimedRuns::count_lost() {
     const std::lock_guard lock(mutex_);
     ++counts_.lost;
 }
 
-JobRuns::Counts JobRuns::counts() const {
+ClaimedRuns::Counts ClaimedRuns::counts() const {
     const std::lock_guard lock(mutex_);
     return counts_;
 }
 
-void JobRuns::wake_claimer() {
+void ClaimedRuns::wake_claimer() {
     const std::lock_guard lock(mutex_);
     has_work_ = true;
     wake_.notify_all();
 }
 
-void JobRuns::wait_for_work(const std::stop_token& closing, Clock::duration pause) {
+void ClaimedRuns::wait_for_work(const std::stop_token& closing, Clock::duration pause) {
     std::unique_lock lock(mutex_);
     wake_.wait_for(lock, closing, pause, [this] { return has_work_; });
     has_work_ = false;
 }
 
-void JobRuns::wake_timekeeper() {
+void ClaimedRuns::wake_timekeeper() {
     const std::lock_guard lock(mutex_);
     changed_ = true;
     wake_.notify_all();
 }
 
-void JobRuns::wait_for_change(const std::stop_token& closing, Clock::time_point until) {
+void ClaimedRuns::wait_for_change(const std::stop_token& closing, Clock::time_point until) {
     std::unique_lock lock(mutex_);
     wake_.wait_until(lock, closing, until, [this] { return changed_; });
     changed_ = false;

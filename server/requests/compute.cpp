@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/requests/computation.h"
+#include "server/requests/compute.h"
 
 #include <chrono>
 #include <optional>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/jobs/jobs.h"
+#include "server/jobs/job_service.h"
 
 #include <sys/random.h>
 
@@ -49,26 +49,27 @@ HttpResult<std::string> existing(Result<std::optional<std::string>> result) {
 
 }  // namespace
 
-Jobs::Jobs(const JobLimits& limits, JobStore& store, bool survives, WorkerPool& pool, Compute compute, Logger logger)
+JobService::JobService(const JobLimits& limits, JobStore& store, bool survives, WorkerPool& pool, Compute compute,
+                       Logger logger)
     : limits_(limits),
       store_(store),
       survives_(survives),
       pool_(pool),
       logger_(logger),
-      runner_(limits, store, survives, pool, std::move(compute), std::move(logger), followed_) {
+      runner_(limits, store, survives, pool, std::move(compute), std::move(logger), watched_) {
     store_.listen(this);
 }
 
-Jobs::~Jobs() {
+JobService::~JobService() {
     runner_.drain();
     store_.listen(nullptr);
 }
 
-bool Jobs::is_full(std::string_view client) const {
+bool JobService::is_full(std::string_view client) const {
     return store_.is_full(client).value_or(false);
 }
 
-HttpResult<Job> Jobs::accept(Job job, const ComputeRequest& request) {
+HttpResult<Job> JobService::accept(Job job, const ComputeRequest& request) {
     if (is_draining() && !survives_) return busy(503, "the server is shutting down", pool_.backlog());
     job.id = new_id();
     if (auto added = add(job, request); !added) return tl::unexpected(std::move(added.error()));
@@ -76,7 +77,7 @@ HttpResult<Job> Jobs::accept(Job job, const ComputeRequest& request) {
     return job;
 }
 
-HttpResult<void> Jobs::add(Job& job, const ComputeRequest& request) {
+HttpResult<void> JobService::add(Job& job, const ComputeRequest& request) {
     if (JobStore::bytes_of_job(JobStore::bytes_of(request)) > limits_.bytes)
         return problem(413, "the request is larger than the storage for jobs, " + std::to_string(limits_.bytes) +
                                 " bytes (job-bytes)");
@@ -96,7 +97,7 @@ HttpResult<void> Jobs::add(Job& job, const ComputeRequest& request) {
     return {};
 }
 
-HttpResult<Job> Jobs::find(const std::string& id, const std::string& owner) const {
+HttpResult<Job> JobService::find(const std::string& id, const std::string& owner) const {
     auto found = store_.find(id);
     if (!found) return store_problem(found.error());
     if (!*found || (*found)->owner != owner) return no_such_job();
@@ -105,15 +106,15 @@ HttpResult<Job> Jobs::find(const std::string& id, const std::string& owner) cons
     return job;
 }
 
-HttpResult<std::string> Jobs::result(const std::string& id) {
+HttpResult<std::string> JobService::result(const std::string& id) {
     return existing(store_.result(id));
 }
 
-HttpResult<std::string> Jobs::piece(const std::string& id, std::size_t number) {
+HttpResult<std::string> JobService::piece(const std::string& id, std::size_t number) {
     return existing(store_.piece(id, number));
 }
 
-HttpResult<void> Jobs::remove(const std::string& id, const std::string& owner) {
+HttpResult<void> JobService::remove(const std::string& id, const std::string& owner) {
     const auto found = find(id, owner);
     if (!found) return tl::unexpected(found.error());
     if (!is_finished(found->status)) {
@@ -122,7 +123,7 @@ HttpResult<void> Jobs::remove(const std::string& id, const std::string& owner) {
         if (*cancelled) {
             stop(id);
             const Job& job = **cancelled;
-            followed_.advance(job);
+            watched_.advance(job);
             logger_({job, {}, {}, {}});
             return {};
         }
@@ -131,44 +132,44 @@ HttpResult<void> Jobs::remove(const std::string& id, const std::string& owner) {
     return {};
 }
 
-void Jobs::work() {
+void JobService::work() {
     runner_.claim();
 }
 
-void Jobs::changed(const std::string& id) {
-    followed_.mark_stale(id);
+void JobService::changed(const std::string& id) {
+    watched_.mark_stale(id);
 }
 
-void Jobs::stop(const std::string& id) {
+void JobService::stop(const std::string& id) {
     runner_.drop(id);
 }
 
-void Jobs::missed() {
-    followed_.mark_all_stale();
+void JobService::missed() {
+    watched_.mark_all_stale();
     runner_.refresh();
 }
 
-HttpResult<Jobs::Watch> Jobs::watch(const std::string& id, const std::string& owner) {
-    const auto followed = followed_.follow(id);  // first, so that no notification is missed
+HttpResult<JobService::Watch> JobService::watch(const std::string& id, const std::string& owner) {
+    const auto watched = watched_.watch(id);  // first, so that no notification is missed
     const auto job = find(id, owner);
     if (!job) return tl::unexpected(job.error());
-    followed->advance(*job);
-    return Watch(followed, [this](const std::string& job_id, FollowedJob& known) { look_again(job_id, known); });
+    watched->advance(*job);
+    return Watch(watched, [this](const std::string& job_id, WatchedJob& known) { look_again(job_id, known); });
 }
 
 /// Asks the store for the state of a job, which another server may run.
-void Jobs::look_again(const std::string& id, FollowedJob& followed) const {
+void JobService::look_again(const std::string& id, WatchedJob& watched) const {
     auto found = store_.find(id);
     if (!found) return;  // once the store can be reached again, missed() is called
     if (*found) {
         runner_.add_latest(**found);
-        followed.advance(**found);
+        watched.advance(**found);
     } else {
-        followed.mark_gone();
+        watched.mark_gone();
     }
 }
 
-std::optional<JobStore::Load> Jobs::load() const {
+std::optional<JobStore::Load> JobService::load() const {
     const auto load = store_.load();
     return load ? std::optional(*load) : std::nullopt;
 }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/jobs/followed_jobs.h"
+#include "server/jobs/watched_jobs.h"
 
 #include <utility>
 
 namespace ccdt::server {
 
-void FollowedJob::advance(const Job& job) {
+void WatchedJob::advance(const Job& job) {
     const std::lock_guard lock(mutex_);
     if (is_finished(job_.status)) return;
     const bool is_first = job_.id.empty();
@@ -17,77 +17,77 @@ void FollowedJob::advance(const Job& job) {
     changed_.notify_all();
 }
 
-void FollowedJob::mark_stale() {
+void WatchedJob::mark_stale() {
     const std::lock_guard lock(mutex_);
     stale_ = true;
     changed_.notify_all();
 }
 
-void FollowedJob::mark_gone() {
+void WatchedJob::mark_gone() {
     const std::lock_guard lock(mutex_);
     gone_ = true;
     changed_.notify_all();
 }
 
 std::optional<Job> JobWatch::next(std::chrono::steady_clock::time_point until) {
-    FollowedJob& followed = *job_;
-    std::unique_lock lock(followed.mutex_);
+    WatchedJob& watched = *job_;
+    std::unique_lock lock(watched.mutex_);
     while (!over_) {
-        if (seen_ && *seen_ < followed.steps_.size()) {
-            Job job = followed.job_;
+        if (seen_ && *seen_ < watched.steps_.size()) {
+            Job job = watched.job_;
             job.status = JobStatus::Running;
             job.finished.reset();
             job.failure.reset();
-            job.progress = followed.steps_[(*seen_)++];
+            job.progress = watched.steps_[(*seen_)++];
             return job;
         }
         const bool first = !seen_;
-        seen_ = followed.steps_.size();
-        over_ = is_finished(followed.job_.status) || followed.gone_;
-        if (first || is_finished(followed.job_.status)) return followed.job_;
-        if (std::exchange(followed.stale_, false)) {
-            const std::string id = followed.job_.id;  // a copy, because another thread may assign job_ meanwhile
+        seen_ = watched.steps_.size();
+        over_ = is_finished(watched.job_.status) || watched.gone_;
+        if (first || is_finished(watched.job_.status)) return watched.job_;
+        if (std::exchange(watched.stale_, false)) {
+            const std::string id = watched.job_.id;  // a copy, because another thread may assign job_ meanwhile
             lock.unlock();
-            look_up_(id, followed);
+            look_up_(id, watched);
             lock.lock();
             continue;
         }
         const auto has_news = [&] {
-            return *seen_ < followed.steps_.size() || is_finished(followed.job_.status) || followed.gone_ ||
-                   followed.stale_;
+            return *seen_ < watched.steps_.size() || is_finished(watched.job_.status) || watched.gone_ ||
+                   watched.stale_;
         };
-        if (!over_ && !followed.changed_.wait_until(lock, until, has_news)) return std::nullopt;
+        if (!over_ && !watched.changed_.wait_until(lock, until, has_news)) return std::nullopt;
     }
     return std::nullopt;
 }
 
-std::shared_ptr<FollowedJob> FollowedJobs::follow(const std::string& id) {
+std::shared_ptr<WatchedJob> WatchedJobs::watch(const std::string& id) {
     const std::lock_guard lock(mutex_);
     std::erase_if(jobs_, [](const auto& other) { return other.second.expired(); });
     auto& known = jobs_[id];
     auto job = known.lock();
-    if (!job) known = job = std::make_shared<FollowedJob>();
+    if (!job) known = job = std::make_shared<WatchedJob>();
     return job;
 }
 
-std::shared_ptr<FollowedJob> FollowedJobs::find(const std::string& id) const {
+std::shared_ptr<WatchedJob> WatchedJobs::find(const std::string& id) const {
     const std::lock_guard lock(mutex_);
     const auto found = jobs_.find(id);
     return found == jobs_.end() ? nullptr : found->second.lock();
 }
 
-void FollowedJobs::advance(const Job& job) const {
-    if (const auto followed = find(job.id)) followed->advance(job);
+void WatchedJobs::advance(const Job& job) const {
+    if (const auto watched = find(job.id)) watched->advance(job);
 }
 
-void FollowedJobs::mark_stale(const std::string& id) const {
-    if (const auto followed = find(id)) followed->mark_stale();
+void WatchedJobs::mark_stale(const std::string& id) const {
+    if (const auto watched = find(id)) watched->mark_stale();
 }
 
-void FollowedJobs::mark_all_stale() const {
+void WatchedJobs::mark_all_stale() const {
     const std::lock_guard lock(mutex_);
     for (const auto& [id, other] : jobs_)
-        if (const auto followed = other.lock()) followed->mark_stale();
+        if (const auto watched = other.lock()) watched->mark_stale();
 }
 
 }  // namespace ccdt::server

@@ -3,7 +3,7 @@
 
 #include "api/decode/decode.h"
 #include "api/run/options.h"
-#include "server/requests/computation.h"
+#include "server/requests/compute.h"
 
 namespace ccdt::server::test {
 

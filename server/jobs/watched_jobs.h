@@ -18,7 +18,7 @@
 namespace ccdt::server {
 
 /// A job that clients follow: its latest known state, and its progress after each iteration. Thread-safe.
-class FollowedJob {
+class WatchedJob {
 public:
     /// Updates the state, unless `job` is older than the known state.
     void advance(const Job& job);
@@ -44,9 +44,9 @@ private:
 class JobWatch {
 public:
     /// Updates `job` with the state in the store, because another server may run the job.
-    using LookUp = std::function<void(const std::string& id, FollowedJob& job)>;
+    using LookUp = std::function<void(const std::string& id, WatchedJob& job)>;
 
-    JobWatch(std::shared_ptr<FollowedJob> job, LookUp look_up) : job_(std::move(job)), look_up_(std::move(look_up)) {}
+    JobWatch(std::shared_ptr<WatchedJob> job, LookUp look_up) : job_(std::move(job)), look_up_(std::move(look_up)) {}
 
     /// Waits for the next state. The first call returns the current state. Later calls return the state after each
     /// iteration, and finally the state of the finished job. If another server runs the job, iterations may be skipped.
@@ -60,28 +60,28 @@ public:
     bool is_over() const { return over_; }
 
 private:
-    std::shared_ptr<FollowedJob> job_;
+    std::shared_ptr<WatchedJob> job_;
     LookUp look_up_;
     std::optional<std::size_t> seen_;  ///< number of iterations processed so far; none before the first call of next()
     bool over_ = false;
 };
 
 /// The jobs that clients follow. Thread-safe.
-class FollowedJobs {
+class WatchedJobs {
 public:
     /// Starts to follow a job, until all returned pointers to it are destroyed.
-    std::shared_ptr<FollowedJob> follow(const std::string& id);
+    std::shared_ptr<WatchedJob> watch(const std::string& id);
 
-    /// Calls FollowedJob::advance() if the job is followed.
+    /// Calls WatchedJob::advance() if the job is followed.
     void advance(const Job& job) const;
     void mark_stale(const std::string& id) const;
     void mark_all_stale() const;
 
 private:
-    std::shared_ptr<FollowedJob> find(const std::string& id) const;
+    std::shared_ptr<WatchedJob> find(const std::string& id) const;
 
     mutable std::mutex mutex_;  ///< guards the member below
-    std::map<std::string, std::weak_ptr<FollowedJob>> jobs_;
+    std::map<std::string, std::weak_ptr<WatchedJob>> jobs_;
 };
 
 }  // namespace ccdt::server
