@@ -51,7 +51,7 @@ before(async () => {
   await mkdir(project);
   await writeFile(path.join(project, "package.json"), JSON.stringify({ private: true, type: "module" }));
   tarballs = await Promise.all([pack("first", "022"), pack("second", "077")]);
-  await run("npm", ["install", "--offline", "--no-audit", "--no-fund", tarballs[0]], { cwd: project });
+  await run(path.join(root, "docker/npm"), ["install", "--offline", "--no-audit", "--no-fund", tarballs[0]], { cwd: project });
   await cp(path.join(import.meta.dirname, "package"), project, { recursive: true });
   await cp(path.join(data, "images/chelsea.png"), path.join(project, "photo.jpg"));
   await writeFile(path.join(folder, "keys"), `package:${key}\n`);
