@@ -193,7 +193,7 @@ class Case(unittest.TestCase):
 
     def test_examples_of_readmes_run(self):
         examples = []
-        for page in (ROOT / "README.md", ROOT / "core" / "README.md", ROOT / "api" / "README.md"):
+        for page in (ROOT / "README.md", *(ROOT / "core").rglob("README.md"), *(ROOT / "api").rglob("README.md")):
             examples += re.findall(r"^```cpp\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL)
         examples = [code for code in examples if "#include <ccdt/" in code]
         self.assertGreaterEqual(len(examples), 3)
