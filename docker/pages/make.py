@@ -30,6 +30,9 @@ INSERTED = {"gallery": "Gallery", "reference": "Reference"}
 PUBLIC = ("core/include", "api/include")
 INTERNAL = ("core", "api", "server")
 
+# READMEs in the order in which one learns. Those of the folders inside a folder follow its own.
+READMES = ("", "api", "core", "server", "docker", "tests", ".github")
+
 TAG = re.compile(r"<[a-zA-Z/][^>]*>")
 REFERENCE = re.compile(r'(?:href|src)="([^"]*)"')
 
@@ -73,6 +76,12 @@ def readme_pages(tags):
             yield path.relative_to(ROOT), compound.findtext("filename"), readme_for_doxygen.page(path)
 
 
+def learned(path):
+    """Returns the key by which pages are sorted: first READMEs in their order, then others of their folders."""
+    top = path.parts[0] if len(path.parts) > 1 else ""
+    return READMES.index(top), path.name == "CHANGELOG.md", path.parent.parts, path.name != "README.md", path.name
+
+
 def reference(tags):
     """Returns the content of the reference: the pages, and all headers by folder with the symbols that they declare."""
     folders = collections.defaultdict(list)
@@ -84,7 +93,7 @@ def reference(tags):
     titles = {page.findtext("filename"): page.findtext("title")
               for page in xml.etree.ElementTree.parse(tags).iterfind("compound[@kind='page']")}
     readmes = [f'<li><a href="{page}">{html.escape(titles[page], quote=False)}</a> <small>{path}</small></li>'
-               for path, _, page in sorted(readme_pages(tags))]
+               for path, _, page in sorted(readme_pages(tags), key=lambda found: learned(found[0]))]
     parts = ["<h2>Pages</h2>", "<ul>", *readmes, "</ul>"]
     for title, public in (("Public headers", True), ("Internals", False)):
         chosen = [name for name in folders if is_public[name] == public]
@@ -160,9 +169,7 @@ def main(doxygen, programs, version, out):
         pages = folder / "html"
         (pages / "gallery").mkdir()
         (pages / "pictures").mkdir()
-        # Folders of builds contain READMEs of other projects.
-        sources = [path for path in ROOT.glob("[a-z]*/") if path.name not in ("build", "dist")]
-        for readme in [ROOT / "README.md", *(path for folder in sources for path in folder.rglob("README.md"))]:
+        for readme in (ROOT / path for path, _, _ in readme_pages(folder / "tags.xml")):
             for _, target in readme_for_doxygen.PICTURE.findall(readme.read_text()):
                 shutil.copy(readme.parent / target, pages / "pictures")
         inserted = {"gallery": gallery.make(programs, pages / "gallery"), "reference": reference(folder / "tags.xml")}

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Prints a README with anchors and links for Doxygen, whose version in Debian 12 does not resolve GitHub's.
 
-Each heading gets an anchor that consists of the README's folder and the heading's anchor on GitHub, which numbers
+Each heading gets an anchor that consists of the path of the page and the heading's anchor on GitHub, which numbers
 repeated headings. Links to READMEs and their headings become links to their pages. A link to a file that is not part of
 the documentation becomes the text of the link, because the pages do not contain that file. A picture is shown from the
 folder `pictures`, where make.py puts it.
@@ -25,8 +25,8 @@ def slug(title):
 
 
 def anchor(readme, name):
-    folder = readme.parent.relative_to(ROOT)
-    return "-".join([*folder.parts, name])
+    path = readme.parent if readme.name == "README.md" else readme.with_suffix("")
+    return "-".join([*path.relative_to(ROOT).parts, name])
 
 
 def page(readme):

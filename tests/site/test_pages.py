@@ -102,6 +102,12 @@ class Pages(unittest.TestCase):
         for title in expected:
             self.assertEqual(shown.count(title), expected.count(title), title)
 
+    def test_list_readmes_in_the_order_in_which_one_learns(self):
+        listed = re.findall("<small>(.*?)</small>", PAGES["reference.html"].text)
+        learned = ["README.md", "api/README.md", "api/python/README.md", "core/README.md", "server/README.md",
+                   "tests/README.md", "tests/bench/paper/README.md"]
+        self.assertEqual([path for path in listed if path in learned], learned)
+
     def test_list_public_headers_first(self):
         titles = re.findall("<h([23])>(.*?)</h", PAGES["reference.html"].text)
         self.assertEqual(titles[:3], [("2", "Pages"), ("2", "Public headers"), ("3", "core/include/ccdt")])
