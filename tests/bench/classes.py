@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Measures the distances between classes of a dot map: prints the table of core/README.md.
+"""Measures the distances between classes of a dot map: prints the table of results/regions.md.
 
 Usage: classes.py URL SEEDS    For example: classes.py http://localhost:8080 2
 

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Measures the distances of new points from fixed points: prints the table of api/README.md.
+"""Measures the distances of new points from fixed points: prints the table of results/regions.md.
 
 Usage: fixed.py URL SETS    For example: fixed.py http://localhost:8080 10
 

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Compares halftones in cyan, magenta, yellow and black with their pictures: prints the table of api/README.md.
+"""Compares halftones in cyan, magenta, yellow and black with their pictures: prints the table of results/halftones.md.
 
 Usage: likeness.py URL SITES PICTURE ...    For example: likeness.py http://localhost:8080 30000 astronaut.png
 

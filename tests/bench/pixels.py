@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Compares pictures for devices with those of other programs: prints the tables of core/README.md.
+"""Compares pictures for devices with those of other programs: prints the tables of results/pixels.md.
 
 Usage: pixels.py [--peers FOLDER] URL PICTURE ...    For example: pixels.py http://localhost:8080 photo.jpg
 

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Compares drawings by one field with discs of ink: prints the tables of core/README.md.
+"""Compares drawings by one field with discs of ink: prints the tables of results/halftones.md.
 
 Usage: two_sides.py URL [--colour] [--palette=COLOURS] PICTURE:DOTS[:X,Y,SIDE] ...
 For example: two_sides.py http://localhost:8080 photo.jpg:20000

@@ -96,6 +96,7 @@ class Pages(unittest.TestCase):
     def test_include_all_readmes(self):
         readmes = [path for top in ("core", "api", "server") for path in (ROOT / top).rglob("README.md")]
         readmes += [ROOT / "README.md", ROOT / "tests" / "README.md", ROOT / "CHANGELOG.md"]
+        readmes += (ROOT / "tests" / "bench" / "results").glob("*.md")
         expected = [re.search("^# (.*)$", path.read_text(), re.MULTILINE)[1].replace("`", "") for path in readmes]
         shown = [re.sub("<[^>]*>", "", re.search("<h1>(.*?)</h1>", page.text, re.DOTALL)[1]).strip()
                  for page in PAGES.values()]
@@ -105,7 +106,7 @@ class Pages(unittest.TestCase):
     def test_list_readmes_in_the_order_in_which_one_learns(self):
         listed = re.findall("<small>(.*?)</small>", PAGES["reference.html"].text)
         learned = ["README.md", "api/README.md", "api/python/README.md", "core/README.md", "server/README.md",
-                   "tests/README.md", "tests/bench/paper/README.md"]
+                   "tests/README.md", "tests/bench/paper/README.md", "tests/bench/results/torus.md"]
         self.assertEqual([path for path in listed if path in learned], learned)
 
     def test_list_public_headers_first(self):
