@@ -42,8 +42,8 @@ ExcessFlow::ExcessFlow(std::size_t sites, std::span<const GraphSolver::Edge> edg
 
 bool ExcessFlow::solve(const std::stop_token& stop) {
     // Limit on the error of a site. In a narrow tongue, a single missing site is most of the density, so the error is
-    // too large for a solution to first order. Countries in core/README.md: with a third of this limit, waves of four
-    // spacings in Canada are 5 dB stronger.
+    // too large for a solution to first order. With a third of this limit, waves of four spacings in Canada are 5 dB
+    // stronger.
     constexpr double kMax = 0.3;
     constexpr int kSteps = 2;  // benchmark CountryPattern: twice as many steps gain a decibel where there are fjords
     std::ranges::fill(sums_, 0.0);

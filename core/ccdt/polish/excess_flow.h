@@ -15,7 +15,7 @@
 namespace ccdt {
 
 /// Computes moves of sites that cancel a small error of their density: the excess flows along the edges of a graph, and
-/// the sites follow. core/README.md has the derivation.
+/// the sites follow. README.md has the derivation.
 class ExcessFlow {
 public:
     /// @param edges     edges between sites, with their conductances: edges_between_sites()
@@ -36,7 +36,7 @@ public:
     /// @param moves     out [sites], each at most 0.35 of the local spacing
     template <class Toward, class Position>
     void moves(Toward&& toward, std::span<const double> spacings, std::span<Position> moves) const {
-        constexpr double kMaxMove = 0.35;  // in spacings; 0.25 gives 1 dB more noise in fjords: core/README.md
+        constexpr double kMaxMove = 0.35;  // in spacings; 0.25: 1 dB more noise in fjords (benchmark CountryPattern)
         constexpr std::size_t kSites = 4096;
         for_ranges(executor_, potential_.size(), kSites, [&](std::size_t begin, std::size_t end) {
             for (auto v = static_cast<std::uint32_t>(begin); v < end; ++v) {

@@ -24,7 +24,7 @@ namespace ccdt {
 /// the wanted density of each part is scaled such that the part wants as many sites as it has. The density must vary
 /// little between neighbouring sites.
 ///
-/// Source: as for Transport, but Laplace's equation is solved on the mesh; core/README.md has the derivation.
+/// Source: as for Transport, but Laplace's equation is solved on the mesh; README.md has the derivation.
 class MeshTransport {
 public:
     /// @param mesh     trimmed, not of a torus

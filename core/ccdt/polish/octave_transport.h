@@ -33,7 +33,7 @@ namespace ccdt {
 /// for the gradient to follow.
 ///
 /// Source: one step of Moser's flow (1965; Dacorogna and Moser 1990), which is steepest descent on the energy of long
-/// waves; core/README.md has the derivation.
+/// waves; README.md has the derivation.
 /// @tparam P  Point or Point3
 template <class P>
 class OctaveTransport {
