@@ -25,7 +25,7 @@ before(async () => {
 after(() => origin.close());
 
 test("the lines in the READMEs put dots into a page of another origin", async () => {
-  for (const name of ["README.md", "api/README.md"]) {
+  for (const name of ["README.md", "server/page/README.md"]) {
     lines = (await examplesOf(name)).find((example) => example.includes("<ccdt-halftone"));
     await world.page.goto(origin.url);
     await world.page.waitForFunction(() => {
@@ -40,8 +40,8 @@ test("the lines in the READMEs put dots into a page of another origin", async ()
   }
 });
 
-test("the page in the API's README draws rings with the tone of the picture", async () => {
-  lines = (await examplesOf("api/README.md")).find((example) => example.includes("evenodd"));
+test("the page in the README of halftones draws rings with the tone of the picture", async () => {
+  lines = (await examplesOf("api/halftone/README.md")).find((example) => example.includes("evenodd"));
   await world.page.goto(origin.url);
   const inkOf = () => world.page.evaluate(() => {
     const { width, height } = document.querySelector("canvas");

@@ -160,7 +160,7 @@ def halftone(picture: Any, sites: Optional[int] = None, *, device: Optional[str]
         linear: whether an array has linear light. By default, values are sRGB, as in most pictures.
         threads: number of threads; by default all processors. Results do not depend on it.
         progress: function that receives the completed share of the work, 0 to 1.
-        **options: see api/README.md: ``seed``, ``color``, ``dots``, ``width``, ``quality``, ``palette`` and others.
+        **options: see api/halftone/README.md: ``seed``, ``color``, ``dots``, ``width``, ``quality``, ``palette`` and others.
             Options that are None are left out.
 
     Raises:

@@ -233,7 +233,7 @@ def sample(domain: Any, sites: Any = None, *, density: Any = None, seed: int = 0
         seed: integer from 0 to 2^53 - 1. The same arguments give the same points.
         threads: number of threads; by default all processors. Results do not depend on it.
         progress: function that receives the completed share of the work, 0 to 1.
-        **options: see api/README.md: ``holes``, ``fixed``, ``avoid``, ``buffer``, ``coordinates``, ``quality``,
+        **options: see api/sample/README.md: ``holes``, ``fixed``, ``avoid``, ``buffer``, ``coordinates``, ``quality``,
             ``order``, ``mesh``, ``method`` and others; for a mesh also ``crease``. Options that are None are left
             out.
 
