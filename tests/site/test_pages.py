@@ -94,7 +94,7 @@ class Pages(unittest.TestCase):
             self.assertNotIn("/tmp/", page.text.replace("/tmp/ccdt", ""), page.path.name)
 
     def test_include_all_readmes(self):
-        readmes = [path for top in ("core", "api", "server") for path in (ROOT / top).rglob("README.md")]
+        readmes = [path for top in ("core", "api", "server", "docker") for path in (ROOT / top).rglob("README.md")]
         readmes += [ROOT / "README.md", ROOT / "tests" / "README.md", ROOT / "CHANGELOG.md"]
         readmes += (ROOT / "tests" / "bench" / "results").glob("*.md")
         expected = [re.search("^# (.*)$", path.read_text(), re.MULTILINE)[1].replace("`", "") for path in readmes]
