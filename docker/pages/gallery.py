@@ -342,7 +342,7 @@ SECTIONS = (
 )
 
 INTRODUCTION = """<p>Each picture was made by the command that stands below it, from the files that stand at the
-<a href="#gallery-files">end of this page</a>. <a href="md_server_README.html#server-the-command-line">Server</a>
+<a href="#gallery-files">end of this page</a>. <a href="md_server_cli_README.html">The command line</a>
 describes the program <code>ccdt</code>, and <a href="md_api_README.html">API</a> its options. Select a picture to see
 it alone.</p>"""
 

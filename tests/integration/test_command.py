@@ -543,7 +543,7 @@ class Examples(Folder):
         (self.folder / "bunny.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
         numpy.save(self.folder / "voxels.npy", numpy.ones((2, 3, 4)))
         (self.folder / "out").mkdir()
-        lines = [line for page in ("README.md", "server/README.md")
+        lines = [line for page in ("README.md", "server/cli/README.md")
                  for block in re.findall(r"^```sh\n(.*?)^```", (ROOT / page).read_text(), re.MULTILINE | re.DOTALL)
                  for line in block.splitlines() if line.startswith("ccdt ") and not line.startswith("ccdt serve")]
         self.assertGreater(len(lines), 5)
