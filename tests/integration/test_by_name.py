@@ -412,7 +412,7 @@ class Snippets(PicturesCase):
     environment = {"CCDT_SIGNING_KEY": OLD}
 
     def snippet(self, language, word):
-        text = (ROOT / "server" / "README.md").read_text()
+        text = (ROOT / "server" / "files" / "README.md").read_text()
         found = [block for block in re.findall(rf"^```{language}\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
                  if word in block]
         self.assertEqual(len(found), 1)
