@@ -105,8 +105,9 @@ class Pages(unittest.TestCase):
 
     def test_list_readmes_in_the_order_in_which_one_learns(self):
         listed = re.findall("<small>(.*?)</small>", PAGES["reference.html"].text)
-        learned = ["README.md", "api/README.md", "api/python/README.md", "core/README.md", "server/README.md",
-                   "tests/README.md", "tests/bench/paper/README.md", "tests/bench/results/torus.md"]
+        learned = ["README.md", "api/README.md", "api/sample/README.md", "core/README.md", "core/ccdt/README.md",
+                   "core/ccdt/polish/README.md", "server/README.md", "server/jobs/README.md", "tests/README.md",
+                   "tests/bench/results/torus.md"]
         self.assertEqual([path for path in listed if path in learned], learned)
 
     def test_list_public_headers_first(self):
