@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Times of the Python package: PYTHONPATH=build/test/python /usr/bin/python3 tests/bench/python.py [SERVER_URL]
 
-Prints a table for api/python/README.md: the least processor time of several runs, of all threads, in milliseconds.
+Prints the table of results/python.md: the least processor time of several runs, of all threads, in milliseconds.
 Processor time varies less on a busy machine. With the URL of a server without a cache, the table also has the times of
 the client, without those of the server.
 """
