@@ -17,6 +17,15 @@ namespace ccdt {
 /// Distributes sites so that all triangles of their Delaunay triangulation have nearly the same capacity. Then polishes
 /// the pattern, unless the quality is Draft or the number of iterations is 0.
 ///
+///     draw sites in cells of equal capacity, triangulate them      plane/start, plane/placement
+///     for each iteration:                                          the first phase:
+///         for each pass, for each site:                                relax/relaxation
+///             go where the capacities of its triangles are nearest to their targets
+///         flip edges until the triangulation is Delaunay               mesh/flips
+///     for each round:                                              the second phase:
+///         push neighbours apart that are too near                      polish/mesh_polish
+///         move all sites against long waves of the density error       polish/mesh_transport
+///
 /// @param density  stretched over the domain's bounding box; values outside the domain are ignored; periodic on a torus
 /// @param control  a stop returns the current sites, which is not an error; a stop during the start gives the error
 ///                 Stopped
