@@ -364,6 +364,7 @@ Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, Sep
                          std::span<const double> ink, std::size_t usual, std::size_t most, const Limits& limits,
                          const Control& control) {
     constexpr double kToneDigits = 1e4;
+    constexpr double kLowTone = 0.8;  // a lower tone is visibly too light
     plan.radius = requested_radius(request, plan, picture.fineness);
     if (is_proportional(request)) {
         plan.sites = share_sites(ink, usual);
@@ -394,6 +395,10 @@ Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, Sep
     if (dots.shows_contrast) {
         plan.warnings.push_back({request.field_of("sites"),
                                  "so few small dots cannot reach half of the tone: they show local contrast instead"});
+    } else if (*plan.tone < kLowTone) {
+        plan.warnings.push_back({request.field_of(request.minutes ? "minutes" : "sites"),
+                                 "so few small dots cover only " + std::to_string(std::lround(100 * *plan.tone)) +
+                                     " % of what they should: the drawing is too light"});
     }
     return {};
 }

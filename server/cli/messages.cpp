@@ -78,7 +78,7 @@ void Messages::report_progress(std::string_view input, double done) {
 }
 
 void Messages::report_result(const Finished& finished) {
-    const auto& [input, output, media_type, bytes, sites, seconds] = finished;
+    const auto& [input, output, media_type, bytes, sites, seconds, dots, plot_seconds] = finished;
     if (style_ == Style::Json) {
         JsonLine line("result");
         line.add("input", input);
@@ -87,6 +87,9 @@ void Messages::report_result(const Finished& finished) {
         line.add("bytes", bytes);
         line.add("sites", sites);
         line.add("seconds", seconds, 3);
+        if (dots) line.add("radius", dots->radius, 3);
+        if (dots) line.add("tone", dots->tone, 4);
+        if (plot_seconds) line.add("plot_seconds", *plot_seconds, 0);
         return print(line.finish());
     }
     clear_bar();
@@ -94,6 +97,16 @@ void Messages::report_result(const Finished& finished) {
     std::string text(output);
     text += ": ";
     if (sites > 0) text += std::to_string(sites) + " sites, ";
+    if (dots) {
+        text += "tone ";
+        api::append_rounded(text, dots->tone, 2);
+        text += ", ";
+    }
+    if (plot_seconds) {
+        text += "a plotter needs ";
+        api::append_rounded(text, *plot_seconds / 60, 1);
+        text += " min, ";
+    }
     text += std::to_string(bytes) + " bytes, ";
     api::append_rounded(text, seconds, 2);
     print(text + " s\n");

@@ -3,9 +3,11 @@
 
 #include <chrono>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 
+#include "api/run/options.h"
 #include "server/cli/interruption.h"
 
 namespace ccdt::server {
@@ -31,6 +33,8 @@ public:
         std::size_t bytes;
         std::size_t sites;
         double seconds;
+        std::optional<api::DotSize> dots = {};    ///< of a halftone
+        std::optional<double> plot_seconds = {};  ///< time in which a plotter draws the answer
     };
     /// Reports that an answer is complete. As text, the report is printed only on a terminal.
     void report_result(const Finished& finished);

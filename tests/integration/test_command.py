@@ -399,6 +399,12 @@ class Errors(Folder):
         self.assertEqual((finished["type"], finished["sites"], finished["media_type"], finished["output"]),
                          ("result", 300, "image/svg+xml", f"{self.folder}/camera.svg"))
         self.assertEqual(finished["bytes"], (self.folder / "camera.svg").stat().st_size)
+        self.assertEqual(finished["tone"], 1)
+        plot = run("halftone", PICTURE, "-o", output, "--style=path", "--pen=0.5", "--width-mm=100", "--sites=7000", "--json")
+        told = {each["type"]: each for each in map(json.loads, plot.stderr.splitlines())}
+        self.assertIn("sites: so few small dots cover only", told["warning"]["message"])
+        self.assertLess(told["result"]["tone"], 0.8)
+        self.assertGreater(told["result"]["plot_seconds"], 60)
         error = json.loads(run("halftone", PICTURE, "--json", "--scale=x").stderr)
         self.assertEqual((error["status"], error["option"]), (2, "--scale"))
         error = json.loads(run("halftone", PICTURE, "--json", "-o", "a.jpg").stderr)
