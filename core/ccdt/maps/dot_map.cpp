@@ -14,7 +14,7 @@
 #include "core/ccdt/maps/feature_index.h"
 #include "core/ccdt/plane/construction.h"
 #include "core/ccdt/polish/ink_push.h"
-#include "core/ccdt/polish/settings.h"
+#include "core/ccdt/polish/schedule.h"
 
 namespace ccdt {
 
@@ -55,12 +55,10 @@ private:
     Result<void> start();
     void iterate();
     void polish();
-    template <class Step>
-    void repeat(int rounds, Step&& step);
     template <class Step, class... Arguments>
     void for_each(Step step, Arguments... arguments);
     bool is_any_nearer(double least) const;
-    void push_apart(double reach, double push, double class_reach, double class_push);
+    void push_apart(const Push& push);
     std::vector<Point> pushes(double reach, double push);
     void report();
     std::vector<ClassDots> collect();
@@ -120,7 +118,7 @@ PolishSettings DotMap::settings() const {
     const bool is_smooth = map_.density.is_smooth();
     if (used_.size() == 1 && is_smooth && !is_pushed_alone) return map_settings(options_.quality);
     PolishSettings settings = polish_settings(options_.quality, used_.size(), is_smooth, is_pushed_alone);
-    settings.retouch_rounds = 0;
+    settings.retouch_rounds = settings.stealth_rounds = 0;
     return settings;
 }
 
@@ -144,37 +142,23 @@ void DotMap::iterate() {
 }
 
 void DotMap::polish() {
-    if (!settings_ || stopping()) return;
-    constexpr double kNearPush = 0.5;  // each of the two dots moves half of the missing distance
-    constexpr int kMaxRetries = 3;
-    const PolishSettings& s = *settings_;
-    for_each(&DotLayer::begin);
-    repeat(s.rounds, [&](int round) {
-        if (s.mesh_every > 0 && round > 0 && round % s.mesh_every == 0) for_each(&DotLayer::restore);
-        push_apart(s.reach, s.push, s.ink_reach, s.push);
-        if ((round + 1) % s.even_every == 0) for_each(&DotLayer::even_out);
-    });
-    repeat(s.relax_rounds, [&](int) {
-        for_each(&DotLayer::even_out);
-        for_each(&DotLayer::equalise, s.relax_passes);
-    });
-    repeat(s.even_rounds, [&](int) { for_each(&DotLayer::even_out); });
-    repeat(s.near_rounds, [&](int) { push_apart(s.nearest, kNearPush, s.ink_nearest, s.push); });
-    for (int round = 0; round < kMaxRetries && !stopping() && is_any_nearer(s.least); ++round) {
-        for_each(&DotLayer::restore);
-        push_apart(s.nearest, kNearPush, s.ink_nearest, s.push);
-    }
-    repeat(s.last_rounds, [&](int) { for_each(&DotLayer::even_out); });
-    for_each(&DotLayer::finish);
-}
+    struct Steps {
+        DotMap& map;
 
-template <class Step>
-void DotMap::repeat(int rounds, Step&& step) {
-    for (int i = 0; i < rounds && !stopping(); ++i) {
-        step(i);
-        ++round_;
-        if (!stopping()) report();
-    }
+        void push(const Push& p) { map.push_apart(p); }
+        void equalise(int passes) { map.for_each(&DotLayer::equalise, passes); }
+        void even_out() { map.for_each(&DotLayer::even_out); }
+        void even_out_together() {}
+        void restore() { map.for_each(&DotLayer::restore); }
+        bool is_any_nearer(double least) { return map.is_any_nearer(least); }
+        void separate(double) {}
+        void retouch() {}
+        void remove_low_frequencies() {}
+    };
+    if (!settings_ || stopping()) return;
+    for_each(&DotLayer::begin);
+    run_schedule(*settings_, Steps{*this}, control_.stop, [this] { ++round_, report(); });
+    for_each(&DotLayer::finish);
 }
 
 /// Calls a member function of all layers, until stopped.
@@ -191,12 +175,12 @@ bool DotMap::is_any_nearer(double least) const {
            std::ranges::any_of(used_, [&](const DotLayer* layer) { return layer->least_distance() < least; });
 }
 
-void DotMap::push_apart(double reach, double push, double class_reach, double class_push) {
-    const std::vector<Point> moves = pushes(class_reach, class_push);
+void DotMap::push_apart(const Push& push) {
+    const std::vector<Point> moves = pushes(push.ink_reach, push.ink_push);
     std::span<const Point> rest = moves;
     for (DotLayer* layer : used_) {
         const std::size_t own = rest.empty() ? 0 : layer->size();
-        layer->push_apart(reach, push, rest.first(own));
+        layer->push_apart(push.reach, push.push, rest.first(own));
         rest = rest.subspan(own);
     }
 }

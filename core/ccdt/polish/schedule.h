@@ -43,11 +43,9 @@ void run_schedule(const PolishSettings& settings, Steps&& steps, const std::stop
         steps.push(far);
         if ((round + 1) % settings.even_every == 0) steps.even_out();
     });
-    repeat(settings.relax_rounds, stop, after, [&](int round) {
-        steps.push(far);
-        if ((round + 1) % settings.even_every == 0) {
-            for (int even = 0; even < settings.relax_evens; ++even) steps.even_out();
-        }
+    repeat(settings.relax_rounds, stop, after, [&](int) {
+        if (settings.relax_pushes) steps.push(far);
+        for (int even = 0; even < settings.relax_evens; ++even) steps.even_out();
         steps.equalise(settings.relax_passes);
     });
     repeat(settings.even_rounds, stop, after, [&](int) {

@@ -51,13 +51,21 @@ constexpr Row kPolygon{
 // In dot maps no dot may cross a border, so even rounds push dots onto borders. With fewer or weaker near pushes at the
 // end, one dot in a hundred has a neighbour nearer than 0.75 of the hexagonal distance: test_dot_maps.py, Counties.
 constexpr Row kMap{
-    {.early = 2, .reach = 0.93, .push = 0.4, .even_rounds = 1, .near_rounds = 4, .nearest = 0.82, .least = 0.72},
+    {.early = 2,
+     .reach = 0.93,
+     .push = 0.4,
+     .even_rounds = 1,
+     .near_rounds = 4,
+     .nearest = 0.82,
+     .least = 0.72,
+     .max_retries = 3},
     {.rounds = 10,
      .even_every = 10,
      .reach = 0.93,
      .push = 0.4,
      .relax_rounds = 9,
      .relax_passes = 3,
+     .relax_pushes = false,
      .even_rounds = 2,
      .near_rounds = 4,
      .nearest = 0.82},

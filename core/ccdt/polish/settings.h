@@ -22,14 +22,15 @@ struct PolishSettings {
     /// For dot maps: number of iterations, up to the last one, that begin with a push and a removal of waves.
     int early = 0;
     int rounds = 0;                      ///< rounds that push near sites apart and remove long waves
-    int even_every = 1;                  ///< rounds from one removal of waves to the next; also applies to relax rounds
+    int even_every = 1;                  ///< rounds from one removal of waves to the next
     int mesh_every = 0;                  ///< rounds from one Delaunay triangulation to the next; 0: none
     double reach = 0;                    ///< distance below which neighbours of one ink are pushed
     double push = 0;                     ///< share of the missing distance by which each of the two sites moves
     double ink_reach = 0;                ///< distance below which sites of different inks are pushed
     int relax_rounds = 0;                ///< next step: rounds that also equalise the triangles' capacities
     int relax_passes = 0;                ///< passes of relaxation in each relax round
-    int relax_evens = 1;                 ///< number of removals of waves in a relax round that has any (see even_every)
+    bool relax_pushes = true;            ///< whether relax rounds begin with a push
+    int relax_evens = 1;                 ///< number of removals of waves in each relax round
     int even_rounds = 0;                 ///< next step: even rounds, which remove waves
     int near_pushes_per_even_round = 0;  ///< near pushes after each even round
     int near_rounds = 0;                 ///< next step: near pushes alone, which move too few sites to create waves
