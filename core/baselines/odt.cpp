@@ -8,6 +8,7 @@
 
 #include "core/baselines/site_mesh.h"
 #include "core/mesh/flips.h"
+#include "core/mesh/move_guard.h"
 
 namespace ccdt {
 
@@ -108,14 +109,11 @@ Point Circumcentres::way_to_mean() const {
 
 /// Whether every triangle keeps at least a tenth of its area and does not become a needle.
 bool Circumcentres::fits(Point by) const {
-    constexpr double kKeptArea = 0.1;
-    constexpr double kMinShape = 1e-5;  // doubled area relative to the longest edge squared
     return std::ranges::all_of(around_, [&](const Corner& corner) {
         const Point from = corner.from - by, to = corner.to - by;
-        const double longest = std::max({dot(from, from), dot(to, to), dot(to - from, to - from)});
-        const double least = std::max(kMinShape * longest, least_height_ * std::sqrt(longest));
         const double before = cross(corner.from, corner.to);
-        return cross(from, to) >= std::max(kKeptArea * before, std::min(least, before));
+        return cross(from, to) >=
+               std::max(kKeptShare * before, std::min(needle_area({}, from, to, least_height_), before));
     });
 }
 

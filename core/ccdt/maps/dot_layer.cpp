@@ -16,7 +16,6 @@
 #include "core/ccdt/relax/border.h"
 #include "core/ccdt/relax/goals.h"
 #include "core/geometry/hexagonal_spacing.h"
-#include "core/geometry/predicates.h"
 #include "core/mesh/flips.h"
 #include "core/mesh/insertion.h"
 #include "core/mesh/insertion_steps.h"
@@ -26,9 +25,8 @@ namespace ccdt {
 
 namespace {
 
-constexpr double kMaxPush = 0.4;   ///< longest move, in radii; two dots at the wanted distance keep at least 0.6 of it
-constexpr double kKeptArea = 0.1;  ///< least share of its area that a triangle keeps in a move, as in Relaxation
-constexpr double kSmall = 0.01;    ///< share of the wanted area below which a triangle may be a needle
+constexpr double kMaxPush = 0.4;  ///< longest move, in radii; two dots at the wanted distance keep at least 0.6 of it
+constexpr double kSmall = 0.01;   ///< share of the wanted area below which a triangle may be a needle
 // Number of dots or triangles per task.
 constexpr std::size_t kDots = 4096, kTriangles = 8192;
 
@@ -169,6 +167,7 @@ void DotLayer::find_radii() {
 
 /// Computes the wanted areas of all triangles. A border vertex counts with the mean radius of the triangle's dots.
 void DotLayer::find_targets() {
+    guard_ = {};
     find_radii();
     targets_.resize(mesh().triangle_count());
     for_ranges(executor_, targets_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
@@ -258,7 +257,6 @@ void DotLayer::relax(int passes) {
 void DotLayer::polish_between(const PolishSettings& settings) {
     constexpr int kFirst = 2;  // in earlier iterations, dots are not near their final places
     if (result_.iterations < std::max(kFirst, options_.iterations - settings.early)) return;
-    begin();
     push_apart(settings.reach, settings.push, {});
     even_out();
 }
@@ -271,14 +269,6 @@ bool DotLayer::iterate() {
     ++result_.iterations;
     if (!has_next_iteration()) relaxation_.reset();
     return true;
-}
-
-void DotLayer::begin() {
-    areas_.resize(mesh().triangle_count());
-    moved_areas_.resize(areas_.size());
-    for_ranges(executor_, areas_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
-        for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) areas_[t] = mesh().doubled_area(t);
-    });
 }
 
 void DotLayer::push_apart(double reach, double push, std::span<const Point> pushed) {
@@ -350,7 +340,6 @@ void DotLayer::equalise(int passes) {
     relax(passes);
     relaxation_.reset();
     if (!stopping()) find_targets();
-    begin();
 }
 
 double DotLayer::least_distance() const {
@@ -373,52 +362,13 @@ void DotLayer::apply() {
             if (!(moves_[dot] == Point{})) mesh().points()[dot] = fenced(dot, before_[dot] + moves_[dot]);
         }
     });
-    revert_moves();
-    areas_.swap(moved_areas_);
-}
-
-/// Whether a triangle has kept enough of its area in a move and has not become a needle.
-/// @param area  doubled area after the move
-bool DotLayer::is_sound(std::uint32_t triangle, double area) const {
-    constexpr double kMinShape = 1e-5;  // doubled area relative to the longest edge squared
-    if (area < kKeptArea * areas_[triangle]) return false;
-    if (targets_[triangle] > 0 && area >= kSmall * targets_[triangle]) return true;
-    const auto [a, b, c] = mesh().positions(triangle);
-    const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
-    const double least = std::max(kMinShape * longest, land_.resolution() * std::sqrt(longest));
-    return area >= std::min(areas_[triangle], least) && orientation(a, b, c) > 0;
-}
-
-/// Reverts moves around triangles that would be inverted or lose most of their area, until no such triangle remains.
-void DotLayer::revert_moves() {
-    std::vector<std::vector<std::uint32_t>> lists((areas_.size() + kTriangles - 1) / kTriangles);
-    for (bool found = true; found;) {
-        for_ranges(executor_, areas_.size(), kTriangles, [&](std::size_t begin, std::size_t end) {
-            auto& list = lists[begin / kTriangles];
-            list.clear();
-            for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
-                if (!is_sound(t, moved_areas_[t] = mesh().doubled_area(t))) list.push_back(t);
-            }
-        });
-        found = false;
-        for (const auto& list : lists) {
-            for (const std::uint32_t t : list) {
-                if (is_sound(t, mesh().doubled_area(t))) continue;  // meanwhile a neighbouring dot was moved back
-                for (const std::uint32_t v : mesh().corners(t)) {
-                    if (!mesh().is_site(v) || mesh().point(v) == before_[v]) continue;
-                    mesh().points()[v] = before_[v];
-                    found = true;
-                }
-            }
-        }
-    }
+    guard_.check(mesh(), before_, land_.resolution(), 0,
+                 [this](std::uint32_t t, double area) { return targets_[t] > 0 && area >= kSmall * targets_[t]; });
 }
 
 void DotLayer::restore() {
     restore_delaunay(mesh(), stop_);
-    if (stopping()) return;
-    find_targets();
-    begin();
+    if (!stopping()) find_targets();
 }
 
 void DotLayer::finish() {

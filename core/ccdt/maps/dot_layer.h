@@ -21,12 +21,13 @@
 #include "core/ccdt/relax/relaxation.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
+#include "core/mesh/move_guard.h"
 
 namespace ccdt {
 
 /// The dots of one class of a map and their triangulation, processed step by step: start(); iterate() while
-/// has_next_iteration(); then, if there is a polish, begin() and the steps of the polish. restore() must follow large
-/// moves. After the start, collect() returns the current state.
+/// has_next_iteration(); then, if there is a polish, its steps. restore() must follow large moves. After the start,
+/// collect() returns the current state.
 class DotLayer {
 public:
     /// @param ground   must outlive this
@@ -50,9 +51,6 @@ public:
     std::uint32_t feature_of(std::size_t dot) const { return dots_[dot].feature; }
     Point position(std::size_t dot) const { return land_.to_user(mesh().point(static_cast<std::uint32_t>(dot))); }
 
-    /// Stores the areas of all triangles. Must be called before the first step of a polish.
-    void begin();
-
     /// Pushes apart neighbours that are too close, and adds the given moves.
     /// @param reach   relative to the distance that two neighbours should have
     /// @param push    mean move of the two neighbours, as a share of the missing distance
@@ -62,13 +60,13 @@ public:
     /// Removes long waves of density error. Does nothing if the density is not smooth or there are fixed points.
     void even_out();
 
-    /// Restores the Delaunay property, runs passes of relaxation, and calls begin(). Used between rounds of the polish.
+    /// Restores the Delaunay property, and runs passes of relaxation. Used between rounds of the polish.
     void equalise(int passes);
 
     /// Returns the least distance of two neighbours, relative to the distance that they should have.
     double least_distance() const;
 
-    /// Restores the Delaunay property, and calls begin().
+    /// Restores the Delaunay property.
     void restore();
 
     /// Measures the capacity variation after the polish.
@@ -101,10 +99,8 @@ private:
     MeshTransport make_transport() const;
     Point fenced(std::uint32_t dot, Point to) const;
     void apply();
-    void revert_moves();
     Point push_off_neighbours(std::uint32_t dot, double reach, double push) const;
     Point push_off_others(std::uint32_t dot, double reach, double push) const;
-    bool is_sound(std::uint32_t triangle, double area) const;
 
     DotGround& ground_;
     Domain land_;
@@ -120,10 +116,10 @@ private:
     std::vector<double> capacities_;     ///< [triangles] capacity in dots: half of area / wanted area
     std::vector<TriangleGoal> goals_;    ///< [triangles] targets and weights
     std::vector<Point> moves_, before_;  ///< [sites] current moves; positions before these moves
-    std::optional<Relaxation> relaxation_;     ///< exists during iterations only
-    std::optional<MeshTransport> transport_;   ///< created when first needed
-    std::vector<double> spacings_;             ///< [sites] local spacings, in the unit frame
-    std::vector<double> areas_, moved_areas_;  ///< [triangles] doubled areas before and after a move
+    std::optional<Relaxation> relaxation_;    ///< exists during iterations only
+    std::optional<MeshTransport> transport_;  ///< created when first needed
+    std::vector<double> spacings_;            ///< [sites] local spacings, in the unit frame
+    MoveGuard guard_;  ///< renewed when triangles change in other ways than by steps of the polish
     Distribution result_;
 };
 

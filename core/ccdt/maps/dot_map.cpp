@@ -156,7 +156,6 @@ void DotMap::polish() {
         void remove_low_frequencies() {}
     };
     if (!settings_ || stopping()) return;
-    for_each(&DotLayer::begin);
     run_schedule(*settings_, Steps{*this}, control_.stop, [this] { ++round_, report(); });
     for_each(&DotLayer::finish);
 }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/geometry/hexagonal_spacing.h"
+#include "core/mesh/move_guard.h"
 #include "core/mesh/relocation.h"
 
 namespace ccdt {
@@ -204,11 +205,8 @@ bool Resettlement::relocate(std::uint32_t site, std::uint32_t beside) {
 /// Whether a triangle is large enough to be divided.
 /// @param share  share of the triangle's area that the smallest of the three new triangles gets
 bool Resettlement::can_be_divided(std::uint32_t triangle, double share) const {
-    constexpr double kMinShape = 1e-5;  // doubled area of each part relative to the longest edge squared
     const auto [a, b, c] = mesh_.positions(triangle);
-    const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
-    const double least = std::max(kMinShape * longest, least_height_ * std::sqrt(longest));
-    return share * mesh_.doubled_area(triangle) >= least;
+    return share * mesh_.doubled_area(triangle) >= needle_area(a, b, c, least_height_);
 }
 
 const Resettlement::SmallParts& Resettlement::small_parts() {

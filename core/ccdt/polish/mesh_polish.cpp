@@ -8,7 +8,6 @@
 
 #include "core/ccdt/polish/push.h"
 #include "core/geometry/hexagonal_spacing.h"
-#include "core/geometry/predicates.h"
 #include "core/mesh/edge_list.h"
 
 namespace ccdt {
@@ -23,9 +22,7 @@ constexpr double kMaxPush = 0.2;
 /// Polish.LeavesNoNearPairsAtNeedles. A push with a longer reach would press sites against the border, so it uses
 /// kFirstRow instead.
 constexpr double kBorderDepth = 0.1;
-constexpr double kKeptArea = 0.1;  ///< least share of its area that a triangle keeps, as in a relaxation
-// Sites or triangles per task.
-constexpr std::size_t kSites = 8192, kTriangles = 16384;
+constexpr std::size_t kSites = 8192;  ///< sites per task
 
 }  // namespace
 
@@ -124,12 +121,7 @@ void MeshPolish::begin(const Triangulation& mesh) {
         }
     }
     if (!domain_.is_box()) row_.find(mesh);
-    std::vector<double> largest((mesh.triangle_count() + kTriangles - 1) / kTriangles, 0);
-    for_ranges(executor_, mesh.triangle_count(), kTriangles, [&](std::size_t begin, std::size_t end) {
-        double& own = largest[begin / kTriangles];
-        for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) own = std::max(own, mesh.doubled_area(t));
-    });
-    largest_area_ = std::ranges::max(largest);
+    guard_ = {};
 }
 
 /// Lists the edges between sites in the range of triangles with the number `block`. Stores edges within the block of
@@ -310,6 +302,7 @@ void MeshPolish::push_off_others(const Triangulation& mesh, double half_reach, d
 }
 
 void MeshPolish::apply(Triangulation& mesh) {
+    constexpr double kSmall = 0.05;  // relative to the mean area; larger triangles are no needles
     for (auto v = static_cast<std::uint32_t>(mesh.free_count()); v < mesh.site_count(); ++v) moves_[v] = mesh.point(v);
     for_ranges(executor_, mesh.free_count(), kSites, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v) {
@@ -319,70 +312,12 @@ void MeshPolish::apply(Triangulation& mesh) {
             moves_[v] = here;
         }
     });
-    revert_moves(mesh);
+    // In polygons, vertices of the border leave less space to move.
+    const int halvings = domain_.is_box() ? 0 : 3;
+    const double small = kSmall * domain_.unit_area() / static_cast<double>(mesh.site_count());
+    guard_.check(mesh, moves_, domain_.resolution(), halvings,
+                 [=](std::uint32_t, double area) { return area >= small; });
     if (mesh.is_torus()) mesh.wrap();
-}
-
-/// Returns twice the area of a triangle before its sites moved.
-double MeshPolish::area_before(const Triangulation& mesh, std::uint32_t triangle) const {
-    const auto corners = mesh.corners(triangle);
-    const auto position = [&](std::uint32_t i) {
-        const Point p = mesh.is_site(corners[i]) ? moves_[corners[i]] : mesh.point(corners[i]);
-        return p + mesh.distance(mesh.lift(Triangulation::edge(triangle, i)));
-    };
-    const Point a = position(0), b = position(1), c = position(2);
-    return cross(b - a, c - a);
-}
-
-/// Whether a triangle has kept enough of its area and has not become a needle.
-/// @param area  current doubled area of the triangle
-bool MeshPolish::is_sound(const Triangulation& mesh, std::uint32_t triangle, double area) const {
-    constexpr double kSmall = 0.05;     // relative to the mean area; larger triangles are no needles
-    constexpr double kMinShape = 1e-5;  // doubled area relative to the longest edge squared
-    const bool is_large = area >= kSmall * domain_.unit_area() / static_cast<double>(mesh.site_count());
-    if (is_large && area >= kKeptArea * largest_area_) return true;
-    const double before = area_before(mesh, triangle);
-    if (area < kKeptArea * before) return false;
-    if (is_large) return true;
-    const auto [a, b, c] = mesh.positions(triangle);
-    const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
-    const double least = std::max(kMinShape * longest, domain_.resolution() * std::sqrt(longest));
-    return area >= std::min(before, least) && orientation(a, b, c) > 0;
-}
-
-/// Shortens or reverts moves of sites until no triangle is inverted or loses most of its area.
-void MeshPolish::revert_moves(Triangulation& mesh) {
-    constexpr int kHalvings = 3;  // in polygons, where vertices of the border leave less space to move
-    const std::size_t triangles = mesh.triangle_count();
-    std::vector<std::vector<std::uint32_t>> lists((triangles + kTriangles - 1) / kTriangles);
-    std::vector<double> largest(lists.size());
-    bool found = true;
-    for (int sweep = 0; found; ++sweep) {
-        const double kept = !domain_.is_box() && sweep < kHalvings ? 0.5 : 0;
-        for_ranges(executor_, triangles, kTriangles, [&](std::size_t begin, std::size_t end) {
-            auto& list = lists[begin / kTriangles];
-            list.clear();
-            double most = 0;
-            for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
-                const double area = mesh.doubled_area(t);
-                most = std::max(most, area);
-                if (!is_sound(mesh, t, area)) list.push_back(t);
-            }
-            largest[begin / kTriangles] = most;
-        });
-        found = false;
-        for (const auto& list : lists) {
-            for (const std::uint32_t t : list) {
-                if (is_sound(mesh, t, mesh.doubled_area(t))) continue;  // meanwhile a neighbouring site was moved back
-                for (const std::uint32_t v : mesh.corners(t)) {
-                    if (!mesh.is_site(v) || mesh.point(v) == moves_[v]) continue;
-                    mesh.points()[v] = moves_[v] + kept * (mesh.point(v) - moves_[v]);
-                    found = true;
-                }
-            }
-        }
-    }
-    largest_area_ = std::ranges::max(largest);
 }
 
 }  // namespace ccdt

@@ -19,6 +19,7 @@
 #include "core/density/density.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
+#include "core/mesh/move_guard.h"
 #include "core/mesh/triangulation.h"
 
 namespace ccdt {
@@ -93,9 +94,6 @@ private:
     void measure_spacings(const Triangulation& mesh);
     double spacing_of(std::uint32_t site) const { return spacings_.empty() ? even_spacing_ : spacings_[site]; }
     void apply(Triangulation& mesh);
-    void revert_moves(Triangulation& mesh);
-    double area_before(const Triangulation& mesh, std::uint32_t triangle) const;
-    bool is_sound(const Triangulation& mesh, std::uint32_t triangle, double area) const;
     Point inside(Point p) const;
     template <class Spacing>
     Point allowed(Point from, Point to, Spacing&& spacing) const;
@@ -118,7 +116,7 @@ private:
     std::vector<Point> moves_;
     std::vector<double> spacings_;  ///< [sites] local spacings; empty if the density of a box or torus is uniform
     double even_spacing_ = 0;       ///< the spacing if the density is uniform
-    double largest_area_ = 0;       ///< doubled area of the largest triangle before a move
+    MoveGuard guard_;               ///< renewed when the edges change
 };
 
 }  // namespace ccdt

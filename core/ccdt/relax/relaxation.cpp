@@ -9,15 +9,12 @@
 
 #include "core/base/lanes.h"
 #include "core/geometry/predicates.h"
+#include "core/mesh/move_guard.h"
 
 namespace ccdt {
 
 namespace {
 
-// With any kKeptArea > 0, triangles stay counter-clockwise. kMinShape must be well above 1e-16, the rounding error of
-// an area, so that signs of areas are certain, and well below 1, so that it does not affect the pattern.
-constexpr double kKeptArea = 0.1;   ///< least share of its area that a triangle keeps in a move
-constexpr double kMinShape = 1e-5;  ///< least doubled area after a move, relative to the longest edge squared
 /// Least doubled area, relative to the mean, that the fast test Rings::fit() accepts. If a triangle would become
 /// smaller, move() checks the move.
 constexpr double kSmall = 1e-2;
@@ -94,7 +91,7 @@ struct Relaxation::Rings {
         auto fits = move_x == move_x;
         for (std::size_t i = 0; i < kPairs; ++i) {
             const Pairs moved = area[i] + a[i] * move_x + b[i] * move_y;
-            fits &= (area[i] == Pairs{}) | ((moved >= kKeptArea * area[i]) & (moved >= least + Pairs{}));
+            fits &= (area[i] == Pairs{}) | ((moved >= kKeptShare * area[i]) & (moved >= least + Pairs{}));
         }
         return fits;
     }
@@ -628,9 +625,8 @@ void Relaxation::move(std::uint32_t vertex, Point by, const Ring& ring, std::siz
         const Point from = position(ring, i) - v, to = position(ring, i + 1) - v;
         const double area = cross(from, to);
         const double change = (from.y - to.y) * by.x + (to.x - from.x) * by.y;
-        const double longest = std::max({dot(from, from), dot(to, to), dot(to - from, to - from)});
-        const double least = std::max(kMinShape * longest, options_.least_height * std::sqrt(longest));
-        const double kept = std::min(area, std::max(kKeptArea * area, least));
+        const double kept =
+            std::min(area, std::max(kKeptShare * area, needle_area({}, from, to, options_.least_height)));
         if (area + share * change < kept) share = std::max(0.0, (kept - area) / change);
     }
     // Next to flat triangles, rounding could still invert a triangle.
@@ -707,7 +703,7 @@ inline bool Relaxation::surely_fits(std::uint32_t site, Point by, const ExactRin
         const double area = cross(from, to);
         const double moved = area + ((from.y - to.y) * by.x + (to.x - from.x) * by.y);
         const double longest = 2 * (dot(from, from) + dot(to, to));  // squared upper bound of all edge lengths
-        fits &= moved >= kKeptArea * area && moved >= kMinShape * longest && moved * moved >= flattest * longest &&
+        fits &= moved >= kKeptShare * area && moved >= kMinShape * longest && moved * moved >= flattest * longest &&
                 ring.triangles[i].vertex != site;
     }
     return fits;

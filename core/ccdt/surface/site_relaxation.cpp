@@ -9,6 +9,7 @@
 #include "core/ccdt/relax/border_goals.h"
 #include "core/ccdt/surface/site_order.h"
 #include "core/geometry/point.h"
+#include "core/mesh/move_guard.h"
 
 namespace ccdt {
 
@@ -102,7 +103,6 @@ void SiteRelaxation::pass(int passes, const std::stop_token& stop) {
 }
 
 void SiteRelaxation::move(std::uint32_t site) {
-    constexpr double kMinArea = 0.1;  // share of a triangle's area that a move must leave
     Ring ring;
     if (!ring.gather(mesh_, site)) return;
     // The normal equations of the sum of (weight * doubled area - target)^2 / share, and of the springs. After a move
@@ -126,7 +126,7 @@ void SiteRelaxation::move(std::uint32_t site) {
     double share = 1;
     for (std::size_t i = 0; i < ring.count; ++i) {
         const Point a = ring.in_plane(i), b = ring.in_plane(i + 1);
-        const double lost = cross(move, b - a), most = (1 - kMinArea) * cross(a, b);
+        const double lost = cross(move, b - a), most = (1 - kKeptShare) * cross(a, b);
         if (lost > most) share = std::min(share, std::max(0.0, most / lost));
     }
     move = share * move;

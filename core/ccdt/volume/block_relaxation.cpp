@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/base/random.h"
+#include "core/mesh/move_guard.h"
 
 namespace ccdt {
 
@@ -28,7 +29,6 @@ constexpr double kRim = 1.75;
 constexpr double kSpring = 0.01;     ///< stiffness of edges relative to the stiffness of volumes
 constexpr double kRelaxation = 1.2;  ///< length of a move relative to the move to the minimum
 constexpr double kMaxMove = 0.4;     ///< longest move, in spacings
-constexpr double kMinVolume = 0.1;   ///< share of its volume that a tetrahedron keeps in a move
 constexpr double kOffset = 1e-9;     ///< largest offset of copies, in the unit frame
 
 /// The face of a tetrahedron that is opposite to a site. The site is on the left of the face, as the last corner of a
@@ -265,7 +265,7 @@ typename BlockRelaxation<Domain>::Sums BlockRelaxation<Domain>::relax_block(cons
             if (size > longest) move = longest / size * move;
             double share = 1;
             for (std::size_t k = 0; k < count; ++k) {
-                const double change = dot(gradients[k], move), least = (kMinVolume - 1) * capacities[k];
+                const double change = dot(gradients[k], move), least = (kKeptShare - 1) * capacities[k];
                 if (change * share < least) share = least / change;
             }
             positions[site] = position + share * move;

@@ -67,7 +67,6 @@ TEST(DotLayer, EqualisesTheAreasOfDots) {
 TEST(DotLayer, PushesNeighboursApart) {
     TwoSquares map;
     ASSERT_TRUE(map.layer.start());
-    map.layer.begin();
     const double before = map.layer.least_distance();
     for (int round = 0; round < 20; ++round) map.layer.push_apart(0.8, 0.5, {});
     map.layer.restore();
