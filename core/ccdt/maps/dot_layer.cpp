@@ -239,7 +239,6 @@ Point DotLayer::fenced(std::uint32_t dot, Point to) const {
 Relaxation& DotLayer::relaxation() {
     if (relaxation_) return *relaxation_;
     RelaxationOptions settings;
-    constexpr double kPolishedSpring = 0.03;
     if (has_polish(options_) && ground_.is_uniform()) settings.spring = kPolishedSpring;
     settings.least_height = std::max(settings.least_height, land_.resolution());
     const double least = *std::ranges::min_element(radii_);

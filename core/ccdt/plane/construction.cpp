@@ -182,9 +182,6 @@ bool Construction::has_next_iteration() const {
 
 Relaxation& Construction::relaxation() {
     if (relaxation_) return *relaxation_;
-    // A stiffer spring gives rounder triangles of slightly less equal area. After the polish, this spring leaves less
-    // power in long waves than softer or stiffer ones: benchmark TorusPattern.
-    constexpr double kPolishedSpring = 0.03;
     // Longer moves give more equal triangles and less power in long waves, but worse tone where the density varies.
     constexpr double kSmoothRelaxation = 1.3;
     RelaxationOptions settings;

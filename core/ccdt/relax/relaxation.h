@@ -20,12 +20,18 @@ namespace ccdt {
 /// Restricts the moves of sites. Returns `to` if the site may lie at `to`, else a position between the site and `to`.
 using Fence = std::function<Point(std::uint32_t site, Point to)>;
 
+// Stiffer springs and longer moves increase both the distance between neighbours and the error of tone: benchmarks
+// TorusPattern and PictureTone.
+inline constexpr double kSpring = 0.01;     ///< stiffness of edges relative to the stiffness of areas or volumes
+inline constexpr double kRelaxation = 1.2;  ///< length of a move relative to the move to the minimum, in [1, 2)
+/// Stiffness of edges if a polish follows, which then leaves the least power in long waves: benchmark TorusPattern.
+inline constexpr double kPolishedSpring = 0.03;
+
 struct RelaxationOptions {
-    // Stiffer springs and longer moves increase both the distance between neighbours and the error of tone: benchmarks
-    // TorusPattern and PictureTone. Without springs along the border, more sites crowd there: benchmark BorderPattern.
-    double spring = 0.01;        ///< stiffness of edges relative to the stiffness of areas
-    double border_spring = 0.1;  ///< additional stiffness of border edges, which keeps their vertices apart
-    double relaxation = 1.2;     ///< length of a move relative to the move to the minimum, in [1, 2)
+    double spring = kSpring;
+    /// Additional stiffness of border edges. Without it, more sites crowd along the border: benchmark BorderPattern.
+    double border_spring = 0.1;
+    double relaxation = kRelaxation;
     double least_height = 1e-9;  ///< least height of a triangle after a move, in the unit frame
     /// Doubled area below which a triangle is checked for being a needle. None: derived from the mean area of all
     /// triangles, which suits meshes with triangles of similar size.

@@ -7,6 +7,7 @@
 #include <cstddef>
 
 #include "core/ccdt/relax/border_goals.h"
+#include "core/ccdt/relax/relaxation.h"
 #include "core/ccdt/surface/site_order.h"
 #include "core/geometry/point.h"
 #include "core/mesh/move_guard.h"
@@ -17,9 +18,6 @@ namespace {
 
 constexpr std::size_t kTriangles = 8192;    ///< triangles per task
 constexpr std::size_t kMaxNeighbours = 64;  ///< sites with more neighbours are not moved
-
-// As in the plane: RelaxationOptions.
-constexpr double kSpring = 0.01, kRelaxation = 1.2;
 
 }  // namespace
 

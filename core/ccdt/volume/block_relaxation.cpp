@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/base/random.h"
+#include "core/ccdt/relax/relaxation.h"
 #include "core/mesh/move_guard.h"
 
 namespace ccdt {
@@ -26,10 +27,8 @@ constexpr int kOddPlanes = 3;
 /// Width of the rim around a block whose sites are triangulated with it, in spacings. Almost all tetrahedra with a
 /// corner in the block are those of the complete triangulation.
 constexpr double kRim = 1.75;
-constexpr double kSpring = 0.01;     ///< stiffness of edges relative to the stiffness of volumes
-constexpr double kRelaxation = 1.2;  ///< length of a move relative to the move to the minimum
-constexpr double kMaxMove = 0.4;     ///< longest move, in spacings
-constexpr double kOffset = 1e-9;     ///< largest offset of copies, in the unit frame
+constexpr double kMaxMove = 0.4;  ///< longest move, in spacings
+constexpr double kOffset = 1e-9;  ///< largest offset of copies, in the unit frame
 
 /// The face of a tetrahedron that is opposite to a site. The site is on the left of the face, as the last corner of a
 /// Tetrahedron is on the left of the first three.
