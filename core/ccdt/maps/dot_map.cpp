@@ -13,6 +13,7 @@
 #include "core/ccdt/maps/feature_area.h"
 #include "core/ccdt/maps/feature_index.h"
 #include "core/ccdt/plane/construction.h"
+#include "core/ccdt/plane/layered_run.h"
 #include "core/ccdt/polish/ink_push.h"
 #include "core/ccdt/polish/schedule.h"
 
@@ -42,39 +43,29 @@ public:
           areas_(areas_of(features, *control.executor)),
           index_(areas_),
           map_{features, areas_, index_, box, density, options.fixed},
-          options_(options),
-          control_(control) {}
+          run_{options, control} {}
 
     Result<std::vector<ClassDots>> execute();
 
 private:
     static std::vector<FeatureArea> areas_of(std::span<const MapFeature> features, Executor& executor);
-    bool stopping() const { return control_.stop.stop_requested(); }
     Result<void> make_layers();
     PolishSettings settings() const;
-    Result<void> start();
-    void iterate();
     void polish();
     template <class Step, class... Arguments>
     void for_each(Step step, Arguments... arguments);
     bool is_any_nearer(double least) const;
     void push_apart(const Push& push);
     std::vector<Point> pushes(double reach, double push);
-    void report();
     std::vector<ClassDots> collect();
 
     std::span<const MapFeature> features_;
     std::vector<FeatureArea> areas_;
     FeatureIndex index_;
     DotGround::Map map_;
-    const Options& options_;
-    const Control& control_;
     std::optional<Domain> land_;  ///< union of the features of all classes; none if only one class has dots
     std::vector<std::unique_ptr<DotGround>> grounds_;  ///< [classes] null for classes without dots
-    std::vector<std::unique_ptr<DotLayer>> layers_;    ///< [classes] null for classes without dots
-    std::vector<DotLayer*> used_;                      ///< the layers of classes with dots
-    std::optional<PolishSettings> settings_;           ///< none if there is no polish
-    int round_ = 0;
+    LayeredRun<DotLayer> run_;                         ///< its layers are the classes
 };
 
 std::vector<FeatureArea> DotMap::areas_of(std::span<const MapFeature> features, Executor& executor) {
@@ -85,28 +76,31 @@ std::vector<FeatureArea> DotMap::areas_of(std::span<const MapFeature> features, 
 
 Result<std::vector<ClassDots>> DotMap::execute() {
     if (auto made = make_layers(); !made) return tl::unexpected(made.error());
-    if (auto started = start(); !started) return tl::unexpected(started.error());
-    iterate();
+    if (auto started = run_.start(); !started) return tl::unexpected(started.error());
+    run_.iterate([this](DotLayer& layer) {
+        if (run_.settings) layer.polish_between(*run_.settings);
+        layer.iterate();
+    });
     polish();
     return collect();
 }
 
 Result<void> DotMap::make_layers() {
     for (std::size_t number = 0; number < features_.front().dots.size(); ++number) {
-        auto ground = DotGround::create(map_, number, *control_.executor, control_.stop);
+        auto ground = DotGround::create(map_, number, *run_.control.executor, run_.control.stop);
         if (!ground) return tl::unexpected(ground.error());
         grounds_.emplace_back();
-        layers_.emplace_back();
+        auto& layer = run_.layers.emplace_back();
         if (ground->dots() == 0) continue;
         grounds_.back() = std::make_unique<DotGround>(*std::move(ground));
-        auto land = land_of(features_, number, control_.stop);
+        auto land = land_of(features_, number, run_.control.stop);
         if (!land) return tl::unexpected(land.error());
-        layers_.back() = std::make_unique<DotLayer>(*grounds_.back(), *std::move(land), options_, control_);
-        used_.push_back(layers_.back().get());
+        layer = std::make_unique<DotLayer>(*grounds_.back(), *std::move(land), run_.options, run_.control);
+        run_.used.push_back(layer.get());
     }
-    if (has_polish(options_)) settings_ = settings();
-    if (used_.size() < 2) return {};
-    auto land = land_of(features_, std::nullopt, control_.stop);
+    if (has_polish(run_.options)) run_.settings = settings();
+    if (run_.used.size() < 2) return {};
+    auto land = land_of(features_, std::nullopt, run_.control.stop);
     if (!land) return tl::unexpected(land.error());
     land_ = *std::move(land);
     return {};
@@ -114,31 +108,12 @@ Result<void> DotMap::make_layers() {
 
 PolishSettings DotMap::settings() const {
     // With fixed points, the polish is the same as for sites in a box: no relaxation follows the pushes.
-    const bool is_pushed_alone = !options_.fixed.empty();
+    const bool is_pushed_alone = !run_.options.fixed.empty();
     const bool is_smooth = map_.density.is_smooth();
-    if (used_.size() == 1 && is_smooth && !is_pushed_alone) return map_settings(options_.quality);
-    PolishSettings settings = polish_settings(options_.quality, used_.size(), is_smooth, is_pushed_alone);
+    if (run_.used.size() == 1 && is_smooth && !is_pushed_alone) return map_settings(run_.options.quality);
+    PolishSettings settings = polish_settings(run_.options.quality, run_.used.size(), is_smooth, is_pushed_alone);
     settings.retouch_rounds = settings.stealth_rounds = 0;
     return settings;
-}
-
-Result<void> DotMap::start() {
-    for (DotLayer* layer : used_) {
-        if (auto started = layer->start(); !started) return started;
-    }
-    report();
-    return {};
-}
-
-void DotMap::iterate() {
-    while (std::ranges::any_of(used_, &DotLayer::has_next_iteration)) {
-        for (DotLayer* layer : used_) {
-            if (!layer->has_next_iteration()) continue;
-            if (settings_) layer->polish_between(*settings_);
-            layer->iterate();
-        }
-        if (!stopping()) report();
-    }
 }
 
 void DotMap::polish() {
@@ -155,29 +130,29 @@ void DotMap::polish() {
         void retouch() {}
         void remove_low_frequencies() {}
     };
-    if (!settings_ || stopping()) return;
-    run_schedule(*settings_, Steps{*this}, control_.stop, [this] { ++round_, report(); });
+    if (!run_.settings || run_.stopping()) return;
+    run_schedule(*run_.settings, Steps{*this}, run_.control.stop, [this] { run_.finish_round(); });
     for_each(&DotLayer::finish);
 }
 
 /// Calls a member function of all layers, until stopped.
 template <class Step, class... Arguments>
 void DotMap::for_each(Step step, Arguments... arguments) {
-    for (DotLayer* layer : used_) {
-        if (stopping()) return;
+    for (DotLayer* layer : run_.used) {
+        if (run_.stopping()) return;
         std::invoke(step, layer, arguments...);
     }
 }
 
 bool DotMap::is_any_nearer(double least) const {
     return least > 0 &&
-           std::ranges::any_of(used_, [&](const DotLayer* layer) { return layer->least_distance() < least; });
+           std::ranges::any_of(run_.used, [&](const DotLayer* layer) { return layer->least_distance() < least; });
 }
 
 void DotMap::push_apart(const Push& push) {
     const std::vector<Point> moves = pushes(push.ink_reach, push.ink_push);
     std::span<const Point> rest = moves;
-    for (DotLayer* layer : used_) {
+    for (DotLayer* layer : run_.used) {
         const std::size_t own = rest.empty() ? 0 : layer->size();
         layer->push_apart(push.reach, push.push, rest.first(own));
         rest = rest.subspan(own);
@@ -191,9 +166,9 @@ std::vector<Point> DotMap::pushes(double reach, double push) {
     const double scale = std::max(land_->bounds().width(), land_->bounds().height());
     std::vector<InkSite> sites;
     std::uint32_t number = 0;
-    for (std::size_t c = 0; c < layers_.size(); ++c) {
-        if (!layers_[c]) continue;
-        const DotLayer& layer = *layers_[c];
+    for (std::size_t c = 0; c < run_.layers.size(); ++c) {
+        if (!run_.layers[c]) continue;
+        const DotLayer& layer = *run_.layers[c];
         const auto site_of = [&](std::size_t dot) {
             const Point position = layer.position(dot);
             double all = 0;
@@ -205,29 +180,19 @@ std::vector<Point> DotMap::pushes(double reach, double push) {
         };
         const std::size_t first = sites.size();
         sites.resize(first + layer.size());
-        for_ranges(*control_.executor, layer.size(), kDots, [&](std::size_t begin, std::size_t end) {
+        for_ranges(*run_.control.executor, layer.size(), kDots, [&](std::size_t begin, std::size_t end) {
             for (std::size_t dot = begin; dot < end; ++dot) sites[first + dot] = site_of(dot);
         });
         ++number;
     }
-    auto moves = push_inks_apart(*land_, sites, reach, push, control_.stop);
+    auto moves = push_inks_apart(*land_, sites, reach, push, run_.control.stop);
     for (Point& move : moves) move = scale * move;
     return moves;
 }
 
-void DotMap::report() {
-    if (!control_.progress) return;
-    Progress progress{0, options_.iterations, {}, round_, settings_ ? settings_->all_rounds() : 0};
-    for (const DotLayer* layer : used_) {
-        progress.iteration = std::max(progress.iteration, layer->iterations());
-        progress.variation = std::max(progress.variation, std::optional(layer->variation()));
-    }
-    control_.progress(progress);
-}
-
 std::vector<ClassDots> DotMap::collect() {
     std::vector<ClassDots> classes;
-    for (const auto& layer : layers_) {
+    for (const auto& layer : run_.layers) {
         classes.push_back(layer ? layer->collect() : ClassDots{});
         if (!layer) classes.back().dots.trace = {0};
     }

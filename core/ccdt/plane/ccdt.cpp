@@ -9,6 +9,7 @@
 
 #include "core/base/random.h"
 #include "core/ccdt/plane/construction.h"
+#include "core/ccdt/plane/layered_run.h"
 #include "core/ccdt/polish/polish.h"
 #include "core/ccdt/polish/settings.h"
 #include "core/ccdt/polish/stealth.h"
@@ -26,23 +27,14 @@ public:
     Result<std::vector<Distribution>> execute();
 
 private:
-    bool stopping() const { return control_.stop.stop_requested(); }
     bool can_be_silent() const;
-    Result<void> start();
-    void iterate();
     void polish();
     std::vector<std::vector<Point>> retouch(std::span<const std::vector<Point>> sites) const;
-    void report();
     std::vector<Distribution> collect();
 
     const Domain& domain_;
-    const Options& options_;
-    const Control& control_;
     const Retouch& retouch_;
-    std::vector<std::unique_ptr<Construction>> inks_;  ///< [inks]; null for inks without sites
-    std::vector<Construction*> constructions_;         ///< the constructions of inks with sites
-    std::optional<PolishSettings> settings_;           ///< none if there is no polish
-    int round_ = 0;                                    ///< current round of the polish
+    LayeredRun<Construction> inks_;
 };
 
 /// Returns the seed of an ink, given its number among the inks with sites. Number 0 keeps the seed of the options.
@@ -54,76 +46,54 @@ std::uint64_t seed_of(std::uint64_t seed, std::size_t number) {
 InkConstructions::InkConstructions(const Domain& domain, std::span<const Density> densities,
                                    std::span<const std::size_t> sites, const Options& options, const Control& control,
                                    const Retouch& retouch)
-    : domain_(domain), options_(options), control_(control), retouch_(retouch) {
+    : domain_(domain), retouch_(retouch), inks_{options, control} {
     bool smooth = true;
     for (std::size_t ink = 0; ink < sites.size(); ++ink) {
-        inks_.emplace_back();
+        auto& layer = inks_.layers.emplace_back();
         if (sites[ink] == 0) continue;
         Options own = options;
         own.sites = sites[ink];
-        own.seed = seed_of(options.seed, constructions_.size());
-        inks_.back() = std::make_unique<Construction>(domain, densities[ink], own, control);
-        constructions_.push_back(inks_.back().get());
+        own.seed = seed_of(options.seed, inks_.used.size());
+        layer = std::make_unique<Construction>(domain, densities[ink], own, control);
+        inks_.used.push_back(layer.get());
         smooth = smooth && densities[ink].is_smooth();
     }
     if (has_polish(options))
-        settings_ =
-            polish_settings(options.quality, constructions_.size(), smooth, domain.is_box() || !options.fixed.empty());
-    if (settings_ && !retouch_) settings_->retouch_rounds = 0;
-    if (settings_ && !can_be_silent()) settings_->stealth_rounds = 0;
+        inks_.settings =
+            polish_settings(options.quality, inks_.used.size(), smooth, domain.is_box() || !options.fixed.empty());
+    if (inks_.settings && !retouch_) inks_.settings->retouch_rounds = 0;
+    if (inks_.settings && !can_be_silent()) inks_.settings->stealth_rounds = 0;
 }
 
 /// Whether the power of low frequencies can be removed; see Quality::Stealthy.
 bool InkConstructions::can_be_silent() const {
-    return constructions_.size() == 1 && constructions_.front()->is_uniform() && domain_.is_torus() &&
-           options_.fixed.empty() && Stealth::fits(domain_, constructions_.front()->sites());
+    return inks_.used.size() == 1 && inks_.used.front()->is_uniform() && domain_.is_torus() &&
+           inks_.options.fixed.empty() && Stealth::fits(domain_, inks_.used.front()->sites());
 }
 
 Result<std::vector<Distribution>> InkConstructions::execute() {
-    if (auto started = start(); !started) return tl::unexpected(started.error());
-    iterate();
+    if (auto started = inks_.start(); !started) return tl::unexpected(started.error());
+    inks_.iterate([](Construction& construction) { construction.iterate(); });
     polish();
-    for (Construction* construction : constructions_) {
+    for (Construction* construction : inks_.used) {
         if (auto finished = construction->finish(); !finished) return tl::unexpected(finished.error());
     }
-    if (!stopping() && std::ranges::any_of(constructions_, &Construction::has_rows)) report();
+    if (!inks_.stopping() && std::ranges::any_of(inks_.used, &Construction::has_rows)) inks_.report();
     return collect();
 }
 
-Result<void> InkConstructions::start() {
-    for (Construction* construction : constructions_) {
-        if (auto started = construction->start(); !started) return started;
-    }
-    report();
-    return {};
-}
-
-void InkConstructions::iterate() {
-    while (std::ranges::any_of(constructions_, &Construction::has_next_iteration)) {
-        for (Construction* construction : constructions_) {
-            if (!construction->has_next_iteration()) continue;
-            construction->iterate();
-        }
-        if (!stopping()) report();
-    }
-}
-
 void InkConstructions::polish() {
-    if (!settings_ || stopping()) return;
+    if (!inks_.settings || inks_.stopping()) return;
     std::vector<Polish::Layer> layers;
-    for (Construction* construction : constructions_) {
+    for (Construction* construction : inks_.used) {
         layers.push_back(
             {&construction->polish(), &construction->mesh(),
              [construction](int passes) { construction->equalise(passes); },
              [construction](std::span<const std::array<std::uint32_t, 2>> pairs) { construction->separate(pairs); }});
     }
-    const auto after = [this] {
-        ++round_;
-        report();
-    };
-    Polish(domain_, std::move(layers), control_.stop).refine(*settings_, control_.stop, after, [this](auto sites) {
-        return retouch(sites);
-    });
+    Polish polish(domain_, std::move(layers), inks_.control.stop);
+    const auto after = [this] { inks_.finish_round(); };
+    polish.refine(*inks_.settings, inks_.control.stop, after, [this](auto sites) { return retouch(sites); });
 }
 
 /// Calls retouch_ with sites in the domain's coordinates. Returns its moves in the unit frame.
@@ -131,36 +101,26 @@ void InkConstructions::polish() {
 std::vector<std::vector<Point>> InkConstructions::retouch(std::span<const std::vector<Point>> sites) const {
     const Point sides = domain_.bounds().max - domain_.bounds().min;
     const double side = std::max(sides.x, sides.y);
-    std::vector<std::vector<Point>> positions(inks_.size());
+    std::vector<std::vector<Point>> positions(inks_.layers.size());
     std::size_t number = 0;
-    for (std::size_t ink = 0; ink < inks_.size(); ++ink) {
-        if (!inks_[ink]) continue;
+    for (std::size_t ink = 0; ink < inks_.layers.size(); ++ink) {
+        if (!inks_.layers[ink]) continue;
         for (const Point& site : sites[number]) positions[ink].push_back(domain_.to_user(site));
         ++number;
     }
     auto moves = retouch_(positions);
     std::vector<std::vector<Point>> result;
-    for (std::size_t ink = 0; ink < inks_.size(); ++ink) {
-        if (!inks_[ink]) continue;
+    for (std::size_t ink = 0; ink < inks_.layers.size(); ++ink) {
+        if (!inks_.layers[ink]) continue;
         for (Point& move : moves[ink]) move = 1 / side * move;
         result.push_back(std::move(moves[ink]));
     }
     return result;
 }
 
-void InkConstructions::report() {
-    if (!control_.progress) return;
-    Progress progress{0, options_.iterations, {}, round_, settings_ ? settings_->all_rounds() : 0};
-    for (const Construction* construction : constructions_) {
-        progress.iteration = std::max(progress.iteration, construction->iterations());
-        progress.variation = std::max(progress.variation, std::optional(construction->variation()));
-    }
-    control_.progress(progress);
-}
-
 std::vector<Distribution> InkConstructions::collect() {
     std::vector<Distribution> distributions;
-    for (const auto& ink : inks_) {
+    for (const auto& ink : inks_.layers) {
         distributions.push_back(ink ? ink->collect() : Distribution{});
         if (!ink) distributions.back().trace = {0};
     }
