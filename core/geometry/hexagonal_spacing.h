@@ -14,4 +14,9 @@ inline double hexagonal_spacing(double density) {
 /// volume: the sixth root of 2.
 inline constexpr double kCubicSpacing = 1.122462048309373;
 
+/// Returns the distance of neighbours in the densest packing of `density` sites per unit of area or, in space, volume.
+inline double densest_spacing(double density, bool in_space) {
+    return in_space ? kCubicSpacing / std::cbrt(density) : hexagonal_spacing(density);
+}
+
 }  // namespace ccdt

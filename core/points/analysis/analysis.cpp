@@ -89,11 +89,6 @@ struct UnitBox {
         return std::abs(wave.x) <= lobe && std::abs(wave.y) <= lobe && std::abs(wave.z) <= lobe;
     }
 
-    /// Distance of neighbours in the densest packing of points with a density.
-    static double densest(double density) {
-        return kAxes<P> == 2 ? hexagonal_spacing(density) : kCubicSpacing / std::cbrt(density);
-    }
-
     /// Frequencies below this count as low. In space, it is half the principal frequency of the densest packing.
     static double low() { return kAxes<P> == 2 ? 0.5 : std::sqrt(1.5) / kCubicSpacing / 2; }
 };
@@ -348,7 +343,7 @@ void add_spacing(const std::vector<P>& set, const UnitBox<P>& frame, double dens
         frame.for_axes([&](std::size_t axis) { along(position, axis) *= along(frame.sides, axis); });
     }
     const Spacing spacing = measure_spacing(points, frame.sides, frame.periodic, stop);
-    const double densest = frame.densest(density);
+    const double densest = densest_spacing(density, kAxes<P> == 3);
     const auto sets = static_cast<double>(analysis.sets);
     analysis.min_distance += spacing.min / densest / sets;
     analysis.mean_distance += spacing.mean / densest / sets;

@@ -69,13 +69,6 @@ constexpr std::size_t kMinRegionPoints = 256;
 /// enough for the neighbours to be near.
 constexpr std::size_t kNeighbours = 12;
 
-std::array<double, 2> coordinates(Point p) {
-    return {p.x, p.y};
-}
-std::array<double, 3> coordinates(Point3 p) {
-    return {p.x, p.y, p.z};
-}
-
 template <class P>
 constexpr bool kInSpace = kAxes<P> == 3;
 
@@ -104,11 +97,6 @@ struct PointBox {
 
     /// Returns the spacing of a number of points at uniform density.
     double usual_spacing(std::size_t points) const { return side_of(size / static_cast<double>(points)); }
-
-    /// Returns the distance of neighbours in the densest packing of points with a density.
-    double densest(double density) const {
-        return is_solid ? kCubicSpacing / std::cbrt(density) : hexagonal_spacing(density);
-    }
 };
 
 /// Points of a domain, or points on a surface with the surface's normals.
@@ -154,7 +142,7 @@ public:
     /// @param usual  spacing of the same number of points at uniform density
     SpacingMeter(const PointBox<P>& frame, const Points<P>& points, const BasicCellList<P>& near, double usual)
         : frame_(frame), points_(points), near_(near), usual_(usual) {
-        for (const double side : coordinates(frame.sides)) widest_ += 2 * side;
+        for (std::size_t axis = 0; axis < kAxes<P>; ++axis) widest_ += 2 * along(frame.sides, axis);
     }
 
     double operator()(std::uint32_t point) {
@@ -194,17 +182,17 @@ private:
 /// Returns the axis along which some points extend farthest.
 template <class P>
 std::size_t longest_axis(std::span<const P> positions, std::span<const std::uint32_t> numbers) {
-    auto min = coordinates(positions[numbers[0]]), max = min;
+    P min = positions[numbers[0]], max = min;
     for (const std::uint32_t i : numbers) {
-        const auto each = coordinates(positions[i]);
-        for (std::size_t axis = 0; axis < each.size(); ++axis) {
-            min[axis] = std::min(min[axis], each[axis]);
-            max[axis] = std::max(max[axis], each[axis]);
+        for (std::size_t axis = 0; axis < kAxes<P>; ++axis) {
+            along(min, axis) = std::min(along(min, axis), along(positions[i], axis));
+            along(max, axis) = std::max(along(max, axis), along(positions[i], axis));
         }
     }
+    const P size = max - min;
     std::size_t longest = 0;
-    for (std::size_t axis = 1; axis < min.size(); ++axis) {
-        if (max[axis] - min[axis] >= max[longest] - min[longest]) longest = axis;
+    for (std::size_t axis = 1; axis < kAxes<P>; ++axis) {
+        if (along(size, axis) >= along(size, longest)) longest = axis;
     }
     return longest;
 }
@@ -509,24 +497,22 @@ public:
           crowding_(points.size() + kLanes) {
         // Integer coordinates wrap around like a torus, so their difference is the way to the nearest copy.
         const double range = frame.is_torus ? 0x1p32 : 0x1p31, usual = reaches[0];
-        const auto sides = coordinates(frame.sides);
         for (auto& each : coordinates_) each.resize(points.size() + kLanes);
         has_normals_ = !points.normals.empty();
         for (auto& each : normals_) each.resize(has_normals_ ? points.size() + kLanes : 0);
         for (std::uint32_t k = 0; k < numbers_.size(); ++k) {
             const std::uint32_t i = numbers_[k];
             slots_[i] = k;
-            const auto position = coordinates(positions_[i]);
-            for (std::size_t axis = 0; axis < sides.size(); ++axis) {
-                const double of_range = position[axis] / sides[axis] * range;
+            for (std::size_t axis = 0; axis < kAxes<P>; ++axis) {
+                const double of_range = along(positions_[i], axis) / along(frame.sides, axis) * range;
                 coordinates_[axis][k] = static_cast<std::uint32_t>(static_cast<std::int64_t>(of_range));
             }
             for (std::size_t axis = 0; has_normals_ && axis < normals_.size(); ++axis)
-                normals_[axis][k] = static_cast<float>(coordinates(points.normals[i])[axis]);
+                normals_[axis][k] = static_cast<float>(along(points.normals[i], axis));
             nearness_[k] = static_cast<float>(usual / reaches[i]);
         }
-        for (std::size_t axis = 0; axis < sides.size(); ++axis)
-            units_[axis] = static_cast<float>(sides[axis] / range / usual);
+        for (std::size_t axis = 0; axis < kAxes<P>; ++axis)
+            units_[axis] = static_cast<float>(along(frame.sides, axis) / range / usual);
         double nearest_listed = listed_.square;  // relative to the reaches of points
         if (listed_.reach) {
             const double ratio = *listed_.reach / *std::ranges::min_element(reaches);
@@ -730,7 +716,7 @@ public:
 private:
     void set_neighbours(const std::stop_token& stop) {
         const double share = std::max(static_cast<double>(target_), 1.0) / static_cast<double>(points_.size());
-        const double reach = kReach * frame_.densest(share);
+        const double reach = kReach * densest_spacing(share, frame_.is_solid);
         near_ = points_.selected(remaining_);
         reaches_.clear();
         for (const std::uint32_t i : remaining_) reaches_.push_back(reach * spacings_[i]);
@@ -761,8 +747,10 @@ private:
     double node_distance() const {
         const double stay = std::max(static_cast<double>(target_), 1.0),
                      remaining = static_cast<double>(remaining_.size());
-        return std::max({kNodeDistance * frame_.densest(stay / frame_.size), cell_side(frame_.sides, remaining),
-                         std::ranges::max(coordinates(frame_.sides)) / remaining});
+        double longest = 0;
+        for (std::size_t axis = 0; axis < kAxes<P>; ++axis) longest = std::max(longest, along(frame_.sides, axis));
+        return std::max({kNodeDistance * densest_spacing(stay / frame_.size, frame_.is_solid),
+                         cell_side(frame_.sides, remaining), longest / remaining});
     }
 
     /// Returns the number of points that remain after the removals that are planned while `stay` points remain. If
