@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "api/output/point_table.h"
 
-#include <array>
-#include <bit>
 #include <cstddef>
 #include <string_view>
 
@@ -30,25 +28,6 @@ void write_lines(Body& body, std::span<const Point> points, std::span<const std:
         if (!ranks.empty()) out.append(",").append(std::to_string(ranks[i]));
         out += end;
     }
-}
-
-void write_npy_header(std::size_t rows, std::size_t columns, Body& body) {
-    static_assert(std::endian::native == std::endian::little && sizeof(Point) == 2 * sizeof(double));
-    const std::string header = npy_header("<f8", rows, columns);
-    body.expect(header.size() + rows * columns * sizeof(double));
-    body.text() += header;
-}
-
-/// Writes a row for each point.
-/// @param rest  returns the columns after the first two
-template <class Rest>
-void write_rows(Body& body, std::span<const Point> points, std::size_t columns, Rest rest,
-                const std::stop_token& stop) {
-    write_records(points.size(), body, stop, [&](std::size_t i) {
-        const auto [third, fourth, fifth] = rest(i);
-        const std::array<double, 5> row = {points[i].x, points[i].y, third, fourth, fifth};
-        body.text().append(reinterpret_cast<const char*>(row.data()), columns * sizeof(double));
-    });
 }
 
 /// Quotes a field that contains a separator or a quote (RFC 4180).
@@ -100,18 +79,17 @@ void write_csv(const PointSet& points, Body& body, const std::stop_token& stop) 
 void write_npy(const PointSet& points, Body& body, const std::stop_token& stop) {
     const bool ranked = points.are_ranked(), grouped = points.are_grouped(), named = points.are_named();
     const std::size_t columns = std::size_t{2} + ranked + grouped + named;
-    write_npy_header(points.size(), columns, body);
+    std::string& out = body.text();
+    out += npy_header("<f8", points.size(), columns);
+    body.expect(out.size() + points.size() * columns * sizeof(double));
     double number = 0;
     for (const InkDots& layer : points.layers) {
-        const auto rest = [&](std::size_t i) {
-            std::array<double, 3> row{};
-            std::size_t column = 0;
-            if (ranked) row[column++] = layer.dots.ranks[i];
-            if (grouped) row[column++] = layer.features[i];
-            row[column] = number;
-            return row;
-        };
-        write_rows(body, layer.dots.points, columns, rest, stop);
+        write_records(layer.dots.points.size(), body, stop, [&](std::size_t i) {
+            append_binary(out, layer.dots.points[i]);
+            if (ranked) append_binary(out, static_cast<double>(layer.dots.ranks[i]));
+            if (grouped) append_binary(out, static_cast<double>(layer.features[i]));
+            if (named) append_binary(out, number);
+        });
         ++number;
     }
 }
