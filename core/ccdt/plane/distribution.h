@@ -71,21 +71,25 @@ struct TriangleMesh {
     std::vector<std::vector<std::uint32_t>> boundary;     ///< closed loops of vertices, with the domain on their left
 };
 
-struct Distribution {
-    /// [sites] strictly inside the domain, in the domain's coordinates. A torus includes its lower and left sides.
-    std::vector<Point> points;
-    int iterations = 0;  ///< number of completed iterations
+/// Result of a computation in the plane or on a surface.
+template <class P, class Mesh>
+struct BasicDistribution {
+    std::vector<P> points;  ///< [sites]
+    int iterations = 0;     ///< number of completed iterations
     /// Capacity variation after each iteration [iterations + 1]; entry 0 is the variation of the start.
     std::vector<double> trace;
     std::optional<double> polished;  ///< capacity variation after the polish; none without polish
     /// Whether a stop ended the computation early. Iterations and polish may then be incomplete, and the mesh not
     /// Delaunay.
     bool stopped = false;
-    std::optional<TriangleMesh> mesh;
+    std::optional<Mesh> mesh;
     std::vector<std::uint32_t> ranks = {};  ///< [points] rank of each point in a progressive order; may be empty
 
     /// Capacity variation of the points.
     double variation() const { return polished.value_or(trace.back()); }
 };
+
+/// Points lie strictly inside the domain, in the domain's coordinates. A torus includes its lower and left sides.
+using Distribution = BasicDistribution<Point, TriangleMesh>;
 
 }  // namespace ccdt

@@ -36,17 +36,7 @@ struct SurfaceMesh {
     std::vector<std::array<std::uint32_t, 3>> triangles;  ///< oriented like the surface
 };
 
-struct SurfaceDistribution {
-    std::vector<SurfacePoint> points;  ///< [sites]
-    int iterations = 0;                ///< number of completed iterations
-    std::vector<double> trace;         ///< capacity variation after each iteration [iterations + 1]
-    std::optional<double> polished;    ///< capacity variation after the polish
-    bool stopped = false;              ///< whether a stop ended the computation early
-    std::optional<SurfaceMesh> mesh;
-    std::vector<std::uint32_t> ranks = {};  ///< [points] rank of each point in a progressive order; may be empty
-
-    double variation() const { return polished.value_or(trace.back()); }
-};
+using SurfaceDistribution = BasicDistribution<SurfacePoint, SurfaceMesh>;
 
 /// Distributes sites on a surface by Capacity-Constrained Delaunay Triangulation. Every component gets its share.
 ///
