@@ -308,8 +308,8 @@ std::pair<SurfacePoint, bool> Surface::follow(const SurfacePoint& from, Point3 m
 std::optional<SurfacePoint> Surface::moved_in_face(const SurfacePoint& from, Point3 move) const {
     constexpr double kMinShare = 1e-6;  // of the squared move that is in the plane of the face
     const Face& face = faces_[from.face];
-    if (face.links.flat) return std::nullopt;
     const double all = dot(move, move);
+    if (face.links.flat || !(all > 0)) return std::nullopt;
     const Point3 inside = move - dot(move, face.normal) * face.normal;
     const double share = dot(inside, inside) / all;
     if (!(share > kMinShare)) return std::nullopt;
