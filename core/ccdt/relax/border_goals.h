@@ -85,12 +85,14 @@ std::uint32_t faced_edge(const Mesh& mesh, std::uint32_t triangle) {
     return edge == Mesh::kNone && mesh.free_count() < mesh.site_count() ? fixed_edge(mesh, triangle) : edge;
 }
 
-/// Returns the length of an edge relative to the hexagonal distance of sites.
-/// @param weight  sites per area near the edge
+/// Returns the length of an edge relative to the hexagonal distance of sites; 0 if there are no sites.
+/// @param weight  sites per area near the edge; infinite in a triangle without area, whose edges count as 0
 template <class Mesh>
 double relative_length(const Mesh& mesh, std::uint32_t edge, double weight) {
+    if (!(weight > 0)) return 0;
     const auto along = mesh.along(edge);
-    return weight > 0 ? std::sqrt(dot(along, along)) / hexagonal_spacing(weight) : 0;
+    const double spacing = hexagonal_spacing(weight);
+    return spacing > 0 ? std::sqrt(dot(along, along)) / spacing : 0;
 }
 
 /// Returns the total length of the edges that a site faces (see faced_edge), relative to the hexagonal distance.
