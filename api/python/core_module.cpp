@@ -446,6 +446,8 @@ PYBIND11_MODULE(_core, module) {
             return py::buffer_info(reinterpret_cast<unsigned char*>(answer.body.data()),
                                    static_cast<py::ssize_t>(answer.body.size()));
         })
+        .def_readonly("warnings", &api::Answer::warnings)
+        .def_readonly("repaired", &api::Answer::repaired)
         .def_property_readonly("radius", [](const api::Answer& answer) -> std::optional<double> {
             return answer.dots ? std::optional(answer.dots->radius) : std::nullopt;
         });

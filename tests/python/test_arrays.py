@@ -8,6 +8,7 @@ import pickle
 import re
 import stat
 import sys
+import warnings
 
 import ccdt
 import numpy as np
@@ -211,6 +212,34 @@ def test_several_errors_are_reported_at_once():
     assert {field for field, _ in refused.value.errors} == {"sites", "seed"}
     again = pickle.loads(pickle.dumps(refused.value))
     assert (str(again), again.field, again.errors) == (str(refused.value), refused.value.field, refused.value.errors)
+
+
+BOW = {"type": "Polygon", "coordinates": [[[0, 40], [9, 40], [0, 60], [9, 60], [0, 40]]]}
+
+
+def test_warnings_point_at_the_caller():
+    with pytest.warns(ccdt.Warning) as given:
+        points = ccdt.sample(BOW, 20)
+    assert [warning.filename for warning in given] == [__file__] * 2
+    assert points.warnings == tuple(str(warning.message) for warning in given)
+    degrees, repaired = points.warnings
+    assert "degrees" in degrees and degrees == points.info["warnings"][0]["detail"]
+    assert repaired == "the domain was repaired: " + points.info["repaired"][0]["detail"]
+    assert pickle.loads(pickle.dumps(points)).warnings == points.warnings
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert ccdt.sample(SQUARE, 20).warnings == ccdt.sample(HOUSE, 20).warnings == ()
+
+
+def test_pictures_with_several_frames_give_a_warning():
+    frames = [Image.new("L", (32, 32), shade) for shade in (0, 90)]
+    file = io.BytesIO()
+    frames[0].save(file, "GIF", save_all=True, append_images=frames[1:])
+    for options in ({}, {"device": "1bit"}):
+        with pytest.warns(ccdt.Warning, match="frame"):
+            picture = ccdt.halftone(file.getvalue(), **options)
+        [text] = picture.warnings
+        assert "frame" in text
 
 
 def test_unknown_options_are_refused():

@@ -92,6 +92,15 @@ def test_errors_name_the_field(client):
         Client("localhost")
 
 
+@pytest.mark.parametrize("options", [{}, {"format": "csv"}, {"progress": print}], ids=str)
+def test_warnings_point_at_the_caller(client, options):
+    bow = [[0, 0], [1, 0], [0, 1], [1, 1]]
+    with pytest.warns(ccdt.Warning, match="repaired: .*crosses itself") as given:
+        answer = client.sample(bow, 20, **options)
+    assert [warning.filename for warning in given] == [__file__]
+    assert answer.warnings == tuple(str(warning.message) for warning in given)
+
+
 def test_jobs_report_progress(client):
     shares = []
     answer = client.sample(ccdt.Torus(), 500, progress=shares.append, format="npy")

@@ -15,7 +15,7 @@ import importlib
 from typing import TYPE_CHECKING, Any, List
 
 from .domains import Box, Mesh, Pixels, Rectangle, Solid, Torus
-from .errors import Error
+from .errors import Error, Warning
 
 if TYPE_CHECKING:
     from ._analysis import Analysis, SurfaceAnalysis, analyze
@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from .client import Client
 
 __all__ = ["Analysis", "Box", "Client", "DevicePicture", "Error", "Halftone", "Mesh", "Pixels", "Points", "Rectangle",
-           "Solid", "SurfaceAnalysis", "SurfacePoints", "Torus", "VolumePoints", "analyze", "halftone", "mask", "sample"]
+           "Solid", "SurfaceAnalysis", "SurfacePoints", "Torus", "VolumePoints", "Warning", "analyze", "halftone", "mask",
+           "sample"]
 
 # Modules that are loaded when one of their names is first used.
 _MODULES = {"Analysis": "_analysis", "analyze": "_analysis", "Client": "client", "DevicePicture": "_halftone",

@@ -4,13 +4,13 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Dict, Optional
+from typing import Any, Dict, Optional, Tuple
 
 import numpy.typing as npt
 
 from . import _core
 from ._files import Path, write_file
-from ._request import running
+from ._request import running, warn_of_answer
 from .errors import Error
 
 
@@ -78,16 +78,23 @@ class Kept:
     def __init__(self, compute: Any, *request: Any) -> None:
         self._compute = compute
         self._request = request
-        self._result: Any = None
+        self.result: Any = None
+        self.warnings: Tuple[str, ...] = ()
 
     def run(self, threads: Optional[int], progress: Any) -> Any:
-        self._result = self._compute(*self._request, running(threads, progress))
-        return self._result
+        self.result = self._compute(*self._request, running(threads, progress))
+        return self.result
+
+    def start(self, threads: Optional[int], progress: Any) -> _core.Answer:
+        """Computes, and returns the NPY file of the result. Warns of the remarks in it."""
+        answer: _core.Answer = self.run(threads, progress).write("npy", running(threads))
+        self.warnings = warn_of_answer(answer)
+        return answer
 
     def write(self, format: str) -> _core.Answer:
-        result = self.run(None, None) if self._result is None else self._result
+        result = self.run(None, None) if self.result is None else self.result
         answer: _core.Answer = result.write(format, running())
         return answer
 
     def __getstate__(self) -> Dict[str, Any]:
-        return {"_compute": self._compute, "_request": self._request, "_result": None}
+        return {**self.__dict__, "result": None}

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from . import _core
 from ._drawing import Drawing, Kept
 from ._options import DeviceOptions, HalftoneOptions, Progress, check_names, texts_of
-from ._request import npy_array, picture_of, running
+from ._request import npy_array, picture_of, running, warn_of_answer
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -35,6 +35,11 @@ class Halftone(Drawing):
 
     def _answer(self, format: str) -> _core.Answer:
         return self._kept.write(format)
+
+    @property
+    def warnings(self) -> Tuple[str, ...]:
+        """Texts of the warnings that :func:`ccdt.halftone` gave."""
+        return self._kept.warnings
 
     @property
     def points(self) -> Floats:
@@ -102,13 +107,18 @@ class Halftone(Drawing):
 
 
 class DevicePicture(Drawing):
-    """A picture that has exactly the pixels and the colours of a device."""
+    """A picture that has exactly the pixels and the colours of a device.
+
+    Attributes:
+        warnings: texts of the warnings that :func:`ccdt.halftone` gave.
+    """
 
     def __init__(self, picture: Any, linear: bool, options: Mapping[str, str], answer: _core.Answer) -> None:
         self._picture = picture
         self._linear = linear
         self._options = dict(options)
         self._answers = {self._options.get("format", ""): answer}
+        self.warnings = warn_of_answer(answer)
 
     def _answer(self, format: str) -> _core.Answer:
         format = format or self._options.get("format", "")
@@ -174,5 +184,5 @@ def halftone(picture: Any, sites: Optional[int] = None, *, device: Optional[str]
         answer = _core.answer_device(pixels, linear, list(texts.items()), running(threads, progress))
         return DevicePicture(pixels, linear, texts, answer)
     kept = Kept(_core.Halftone, pixels, linear, list(texts.items()))
-    answer = kept.run(threads, progress).write("npy", running(threads))
+    answer = kept.start(threads, progress)
     return Halftone(kept, npy_array(answer), answer.radius)

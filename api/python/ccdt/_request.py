@@ -17,7 +17,7 @@ from . import _core
 from ._files import read_file
 from ._options import Progress, mesh_texts
 from .domains import Mesh, Solid, domain_member, jsonable, region_members
-from .errors import Error
+from .errors import Error, warn_of
 
 # A picture for the extension module: the bytes of a file, or an array [height, width, channels].
 Picture = Union[bytes, npt.NDArray[Any]]
@@ -30,6 +30,11 @@ def running(threads: Optional[int] = None, progress: Progress = None) -> _core.R
     if threads < 1:
         raise Error(f"threads must be at least 1, not {threads}", field="threads")
     return _core.Running(threads, progress)
+
+
+def warn_of_answer(answer: _core.Answer) -> Tuple[str, ...]:
+    """Warns of the remarks in an answer that is not JSON. Returns the texts."""
+    return warn_of({"warnings": json.loads(answer.warnings or "[]"), "repaired": json.loads(answer.repaired or "[]")})
 
 
 def array_picture(array: npt.NDArray[Any], name: str = "picture") -> npt.NDArray[Any]:

@@ -74,6 +74,11 @@ class Points(np.ndarray, Drawing):  # type: ignore[type-arg]
         return None if self._kept is None else super()._repr_png_()
 
     @property
+    def warnings(self) -> Tuple[str, ...]:
+        """Texts of the warnings that :func:`ccdt.sample` gave. ``info["repaired"]`` lists all repairs."""
+        return () if self._kept is None else self._kept.warnings
+
+    @property
     def info(self) -> Dict[str, Any]:
         """Members of the service's JSON answer, without those that list every point."""
         if self._info is None:
@@ -135,7 +140,8 @@ class SurfacePoints(_Points3):
     """Points on a surface as an array, float64 [n, 3], with the other members of the answer."""
 
     @classmethod
-    def _on(cls, kept: Kept, table: Floats, domain: Any, colored: bool, textured: bool, ranked: bool) -> SurfacePoints:
+    def _on(cls, kept: Kept, table: Floats, domain: Any, ranked: bool) -> SurfacePoints:
+        colored, textured = kept.result.has_colors, kept.result.has_texture
         points = table[:, :3].view(cls)
         points._kept = kept
         points._domain = domain
@@ -249,17 +255,16 @@ def sample(domain: Any, sites: Any = None, *, density: Any = None, seed: int = 0
         check_names("sample", options, SurfaceOptions)
         mesh, texts = surface_request(domain, {"sites": sites, "density": density, "seed": seed, **options})
         surface = Kept(_core.SurfaceSample, mesh, [*texts.items(), ("format", "npy")])
-        placed = surface.run(threads, progress)
+        table = npy_array(surface.start(threads, progress))
         kept_domain = domain if isinstance(domain, Mesh) else mesh  # a file is open or may change
-        return SurfacePoints._on(surface, npy_array(placed.write("npy", running(threads))), kept_domain,
-                                 placed.has_colors, placed.has_texture, texts.get("order") == "progressive")
+        return SurfacePoints._on(surface, table, kept_domain, texts.get("order") == "progressive")
     if is_in_space(domain):
         check_names("sample", options, VolumeOptions)
         body, texts = volume_request(domain, {"sites": sites, "density": density, "seed": seed, **options})
         if isinstance(domain, Solid) and not isinstance(domain.mesh, Mesh):
             domain = Solid(body)
         solid = Kept(_core.VolumeSample, body, [*texts.items()])
-        return VolumePoints._of(solid, npy_array(solid.run(threads, progress).write("npy", running(threads))), domain)
+        return VolumePoints._of(solid, npy_array(solid.start(threads, progress)), domain)
     raster = isinstance(domain, Pixels)
     check_names("sample", options, PixelOptions if raster else SampleOptions)
     members = {"sites": sites, "density": density, "seed": seed, **options}
@@ -267,7 +272,7 @@ def sample(domain: Any, sites: Any = None, *, density: Any = None, seed: int = 0
     if raster:
         return npy_array(_core.answer_sample(body, has_pictures, running(threads, progress)))
     kept = Kept(_core.Sample, body, has_pictures)
-    table = npy_array(kept.run(threads, progress).write("npy", running(threads)))
+    table = npy_array(kept.start(threads, progress))
     names = ((("rank",) if options.get("order") == "progressive" else ())
              + (("feature", "class") if table.shape[1] - 2 > (options.get("order") == "progressive") else ()))
     return Points._of(kept, table, domain, names[:table.shape[1] - 2])

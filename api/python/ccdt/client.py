@@ -22,7 +22,7 @@ from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple
 from ._files import Path, read_file, write_file
 from ._options import Progress, mesh_texts, texts_of
 from .domains import Mesh, Solid, domain_member, is_mesh_file, jsonable, region_members
-from .errors import Error
+from .errors import Error, warn_of
 
 Request = Tuple[str, bytes, str]  # path with query, body, media type
 
@@ -39,12 +39,20 @@ class Answer:
         body: the bytes.
         media_type: media type of the body.
         headers: header fields, with names in lower case.
+        warnings: texts of the warnings that the server gave.
     """
 
     def __init__(self, body: bytes, headers: Mapping[str, str]) -> None:
         self.body = body
         self.headers = {name.lower(): value for name, value in headers.items()}
         self.media_type = self.headers.get("content-type", "").partition(";")[0]
+        self.warnings = warn_of(self._remarks())
+
+    def _remarks(self) -> Any:
+        """Returns the members ``warnings`` and ``repaired``, which other formats than JSON have as headers."""
+        if self.media_type == "application/json" and (b'"warnings":[{' in self.body or b'"repaired":[{' in self.body):
+            return self.json()
+        return {name: json.loads(self.headers.get("x-" + name, "[]")) for name in ("warnings", "repaired")}
 
     def __bytes__(self) -> bytes:
         return self.body

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Errors of the package. This module imports nothing but the standard library."""
+"""Errors and warnings of the package. This module imports nothing but the standard library."""
 
 from __future__ import annotations
 
-from typing import Any, Iterable, Optional, Tuple
+import sys
+import warnings
+from typing import Any, Iterable, Mapping, Optional, Tuple
 
 
 class Error(ValueError):
@@ -36,3 +38,27 @@ class Error(ValueError):
     def __reduce__(self) -> Tuple[Any, ...]:
         state = {"code": self.code, "field": self.field, "errors": self.errors, "status": self.status}
         return type(self), (str(self),), state
+
+
+class Warning(UserWarning):
+    """A fact about a request that the caller may not expect. The request is answered nevertheless."""
+
+
+def warn(text: str) -> None:
+    """Passes a text to warnings.warn, with the place from which the package was called."""
+    frame, level = sys._getframe(), 1
+    while frame.f_back is not None and frame.f_globals.get("__package__") == __package__:
+        frame, level = frame.f_back, level + 1
+    warnings.warn(text, Warning, stacklevel=level)
+
+
+def warn_of(members: Mapping[str, Any]) -> Tuple[str, ...]:
+    """Warns of the remarks in the members ``warnings`` and ``repaired`` of an answer. Returns the texts."""
+    texts = [each["detail"] for each in members.get("warnings", ())]
+    repairs = members.get("repaired", ())
+    if repairs:
+        others = ", among others" if len(repairs) > 1 else ""
+        texts.append(f"the domain was repaired: {repairs[0]['detail']}{others}")
+    for text in texts:
+        warn(text)
+    return tuple(texts)
