@@ -207,8 +207,9 @@ public:
         : request_(parsed(body)), placed_(value_or_raise(placed(has_pictures, running))) {}
 
     AnswerPointer write(const std::string& format, const Running& running) const {
-        const api::PointFormat& chosen =
-            format.empty() ? *request_.output.format : format_of(api::sample_formats(), format);
+        const api::PointFormat& chosen = format.empty()
+                                             ? *request_.output.format
+                                             : request_.output.variant_of(format_of(api::sample_formats(), format));
         return keep(run(running, [&](const Control& control, api::Timings& timings) {
             return api::write_answer(request_, placed_, chosen, limits_, control, timings);
         }));

@@ -157,6 +157,14 @@ def test_points_know_more(tmp_path):
     assert points.image().ndim == 2
 
 
+def test_single_points_are_written_in_each_format():
+    square = {"type": "Polygon", "coordinates": [[*SQUARE, SQUARE[0]]]}
+    points = ccdt.sample(square, 5, multipoint=False)
+    written = json.loads(points.write("geojson"))
+    assert [each["geometry"]["coordinates"] for each in written["features"]] == points.tolist()
+    assert points.write("csv") == ccdt.sample(square, 5).write("csv")
+
+
 def test_dot_maps_have_features_and_classes():
     def feature(x, ones, twos):
         ring = [[x, 0], [x + 1, 0], [x + 1, 1], [x, 1], [x, 0]]

@@ -38,7 +38,6 @@ struct Draft {
     std::optional<double> depth;  ///< of the domain of a mask
     Counting counting;
     std::optional<PropertyChoice> properties;
-    bool multipoint = true;
     MethodOptions given{};
 };
 
@@ -166,7 +165,8 @@ constexpr std::array<OptionRule<Draft>, 30> kOptionRules = {{
     {"classes", [](const Input& i, const Limits&, Draft& d) { return assign(d.counting.classes, read_classes(i)); }},
     {"object", [](const Input& i, const Limits&, Draft& d) { return assign(d.object, read_text(i)); }},
     {"properties", [](const Input& i, const Limits&, Draft& d) { return assign(d.properties, read_properties(i)); }},
-    {"multipoint", [](const Input& i, const Limits&, Draft& d) { return assign(d.multipoint, read_boolean(i)); }},
+    {"multipoint",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.output.multipoint, read_boolean(i)); }},
     {"invalid",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.region.on_invalid, read_invalid(i)); }},
     {"coordinates",
@@ -351,7 +351,7 @@ Result<void> check_properties(const Draft& draft) {
 Result<void> settle_format(std::string_view accept, Draft& draft) {
     const PointFormat*& format = draft.request.output.format;
     if (auto settled = settle_format(accept, sample_formats(), format); !settled) return settled;
-    if (!draft.multipoint && format->single_points != nullptr) format = format->single_points;
+    format = &draft.request.output.variant_of(*format);
     return check_properties(draft);
 }
 

@@ -97,7 +97,7 @@ private:
 
 Result<Page> plan_page(const SampleRequest& request, const PointFormat& format, const Domain& whole,
                        const Limits& limits) {
-    const auto& [requested, drawing, width, dot, order] = request.output;
+    const auto& [requested, drawing, width, dot, order, multipoint] = request.output;
     Page page{whole.bounds(),   true,
               whole.is_torus(), {},
               drawing.width_mm, order.value_or(PointOrder::Path) == PointOrder::Path};
