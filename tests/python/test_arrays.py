@@ -81,6 +81,19 @@ def test_unusable_arrays_are_refused(picture, text):
         ccdt.halftone(picture)
 
 
+@pytest.mark.parametrize("channels", [1, 2, 3, 4])
+@pytest.mark.parametrize("dtype", [bool, np.uint8, np.uint16, np.float32])
+def test_masked_pixels_are_transparent(channels, dtype):
+    picture = np.zeros((20, 20, channels), dtype)
+    if channels % 2 == 0:
+        picture[..., -1] = 1 if dtype in (bool, np.float32) else np.iinfo(dtype).max
+    mask = np.zeros(picture.shape, bool)
+    mask[:, :10, 0] = True
+    found = dots(np.ma.array(picture, mask=mask))
+    assert len(found) == 100 and (found[:, 0] > 10).all()
+    assert np.array_equal(dots(np.ma.array(picture)), dots(picture))
+
+
 def test_a_picture_of_one_pixel_has_dots():
     assert dots(np.zeros((1, 1), np.uint8)).shape == (100, 2)
 
@@ -212,6 +225,34 @@ def test_files_with_geojson_are_domains(tmp_path):
 def test_errors_name_the_field_and_the_limit(arguments, options, field, text):
     with raises(field, re.escape(text)):
         ccdt.sample(*arguments, **options)
+
+
+@pytest.mark.parametrize(("call", "field", "text"), [
+    (lambda array: ccdt.sample(array, 5), "polygon/1/0", "polygon[1][0] must be finite, not masked"),
+    (lambda array: ccdt.sample(SQUARE, 5, fixed=array), "fixed/1/0", "fixed[1][0] must be finite, not masked"),
+    (ccdt.analyze, "points/1/0", "points[1][0] must be finite, not masked"),
+    (lambda array: ccdt.sample(ccdt.Mesh(np.ma.column_stack([array, array])[:, :3], [[0, 1, 2]]), 5),
+     "vertices/1/0", "vertices[1][0] must be finite, not masked"),
+    (lambda array: ccdt.sample({"type": "Polygon", "coordinates": [array.filled(np.nan).tolist()]}, 5),
+     "geometry/coordinates/0/1/0", "geometry/coordinates/0/1/0 must be finite"),
+], ids=["polygon", "fixed", "points", "mesh", "geometry"])
+def test_positions_must_not_be_masked(call, field, text):
+    with raises(field, re.escape(text)):
+        call(np.ma.masked_equal([[0, 0], [9, 0.5], [0.5, 0.5], [0, 1.0]], 9))
+
+
+def test_masked_densities_are_zero():
+    values = np.array([[1.0, 2], [3, 4]])
+    for size in ((), (2,)):
+        domain = ccdt.Box() if size else SQUARE
+        grid = np.broadcast_to(values, (*size, 2, 2))
+        expected = ccdt.sample(domain, 50, density=np.where(grid == 2, 0, grid))
+        assert np.array_equal(ccdt.sample(domain, 50, density=np.ma.masked_equal(grid, 2)), expected)
+        with pytest.warns(ccdt.Warning, match=f"density has {grid.size // 4} values that are NaN"):
+            assert np.array_equal(ccdt.sample(domain, 50, density=np.where(grid == 2, np.nan, grid)), expected)
+    mesh = ccdt.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    assert np.array_equal(ccdt.sample(mesh, 20, density=np.ma.masked_equal([1, 2, 3], 2)),
+                          ccdt.sample(mesh, 20, density=[1, 0, 3]))
 
 
 def test_several_errors_are_reported_at_once():

@@ -17,7 +17,9 @@ from . import _core
 from ._files import read_file
 from ._options import Progress, mesh_texts
 from .domains import Mesh, Solid, domain_member, jsonable, region_members
-from .errors import Error, warn_of
+from .errors import Error, warn, warn_of
+
+_ma: Any = np.ma  # its functions have no types
 
 # A picture for the extension module: the bytes of a file, or an array [height, width, channels].
 Picture = Union[bytes, npt.NDArray[Any]]
@@ -38,13 +40,18 @@ def warn_of_answer(answer: _core.Answer) -> Tuple[str, ...]:
 
 
 def array_picture(array: npt.NDArray[Any], name: str = "picture") -> npt.NDArray[Any]:
-    """Converts an array for the extension module. Copies it only if its type or its layout requires that."""
+    """Converts an array for the extension module. Copies it only if its type or its layout requires that.
+
+    Masked pixels become transparent.
+    """
     shape = array.shape
     if not (array.ndim == 2 or array.ndim == 3 and 1 <= shape[2] <= 4):
         raise Error(f"{name} must have the shape [height, width] or [height, width, 1 to 4], not {list(shape)}",
                     field=name)
     if array.size == 0:
         raise Error(f"{name} must have at least one pixel, not the shape {list(shape)}", field=name)
+    hidden = masked_values(array)
+    array = _ma.filled(array, 0)
     if array.dtype == np.bool_:
         array = array * np.uint8(255)
     elif array.dtype.kind == "f":
@@ -55,7 +62,19 @@ def array_picture(array: npt.NDArray[Any], name: str = "picture") -> npt.NDArray
     elif array.dtype.kind != "u" or array.dtype.itemsize > 2:
         raise Error(f"{name} must have the type bool, uint8, uint16 or float, not {array.dtype}", field=name)
     native = array.astype(array.dtype.newbyteorder("="), copy=False)
-    return np.ascontiguousarray(native).reshape(shape[0], shape[1], -1)
+    pixels = np.ascontiguousarray(native).reshape(shape[0], shape[1], -1)
+    if hidden is None:
+        return pixels
+    opaque = 1 if pixels.dtype.kind == "f" else np.iinfo(pixels.dtype).max
+    alpha = pixels[..., -1] if pixels.shape[2] % 2 == 0 else np.full(shape[:2], opaque, pixels.dtype)
+    alpha = np.where(hidden.reshape(pixels.shape).any(axis=2), pixels.dtype.type(0), alpha)
+    return np.ascontiguousarray(np.dstack([pixels[..., :(pixels.shape[2] - 1) // 2 * 2 + 1], alpha]))
+
+
+def masked_values(value: Any) -> Optional[npt.NDArray[np.bool_]]:
+    """Returns which values of an array are masked, or None if none are."""
+    mask = _ma.getmaskarray(value) if isinstance(value, _ma.MaskedArray) else None
+    return mask if mask is not None and mask.any() else None
 
 
 def pillow_picture(image: Any, name: str) -> Picture:
@@ -78,7 +97,7 @@ def picture_of(source: Any, name: str = "picture") -> Picture:
     if hasattr(source, "getexif"):  # an image of Pillow
         return pillow_picture(source, name)
     if isinstance(source, (np.ndarray, list, tuple)) or hasattr(source, "__array_interface__"):
-        return array_picture(np.asarray(source), name)
+        return array_picture(source if isinstance(source, _ma.MaskedArray) else np.asarray(source), name)
     return read_file(source, name, "an array, an image of Pillow, ")
 
 
@@ -88,13 +107,20 @@ def array_json(value: Any, name: str) -> str:
         array = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError) as reason:
         raise Error(f"{name} must be numbers in lists of equal length: {reason}", field=name) from None
-    finite = np.isfinite(array)
-    if not finite.all():
-        index = tuple(int(i) for i in np.argwhere(~finite)[0])
-        path = "".join(f"[{i}]" for i in index)
-        raise Error(f"{name}{path} must be finite, not {array[index]}",
-                    field="/".join([name, *(str(i) for i in index)]))
+    check_numbers(array, masked_values(value), name)
     return _core.json_of(array)
+
+
+def check_numbers(array: npt.NDArray[Any], hidden: Optional[npt.NDArray[np.bool_]], name: str) -> None:
+    """Raises an error that names the first value that is not finite, or that is masked."""
+    usable = np.isfinite(array)
+    if hidden is not None:
+        usable &= ~hidden
+    if not usable.all():
+        index = tuple(int(i) for i in np.argwhere(~usable)[0])
+        path = "".join(f"[{i}]" for i in index)
+        value = array[index] if hidden is None or not hidden[index] else "masked"
+        raise Error(f"{name}{path} must be finite, not {value}", field="/".join([name, *(str(i) for i in index)]))
 
 
 def json_of(value: Any, name: str) -> str:
@@ -104,12 +130,26 @@ def json_of(value: Any, name: str) -> str:
     try:
         return json.dumps(value, default=jsonable, allow_nan=False)
     except (TypeError, ValueError) as reason:
-        raise Error(f"{name} is not valid: {reason}", field=name) from None
+        path = "/".join(map(str, (name, *(_path_of_infinite(value) or ()))))
+        text = f"{name} is not valid: {reason}" if path == name else f"{path} must be finite"
+        raise Error(text, field=path) from None
+
+
+def _path_of_infinite(value: Any) -> Optional[Tuple[Any, ...]]:
+    """Returns the keys and indices that lead to the first number that is not finite, or None."""
+    if isinstance(value, float) and not np.isfinite(value):
+        return ()
+    children = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, (list, tuple)) else ()
+    for key, child in children:
+        path = _path_of_infinite(child)
+        if path is not None:
+            return key, *path
+    return None
 
 
 def points_json(value: Any, name: str) -> str:
     """Writes a list of positions as JSON."""
-    array = value if isinstance(value, np.ndarray) else None
+    array = value if isinstance(value, np.ndarray) else None  # with its mask
     if array is None and isinstance(value, (list, tuple)):
         array = np.asarray(value, dtype=object)
     if array is None or array.ndim != 2 or array.shape[1] != 2:
@@ -118,10 +158,20 @@ def points_json(value: Any, name: str) -> str:
     return array_json(value, name)
 
 
+def density_values(density: Any) -> npt.NDArray[Any]:
+    """Returns a density as an array, in which masked values are 0. Values that are NaN are 0 with a warning."""
+    array = np.asarray(_ma.filled(density, 0))
+    missing = np.isnan(array) if array.dtype.kind == "f" else np.zeros(0, bool)
+    if not missing.any():
+        return array
+    warn(f"density has {missing.sum()} values that are NaN: they count as 0")
+    return np.where(missing, array.dtype.type(0), array)
+
+
 def density_json(density: Any) -> str:
     """Writes a density as JSON: a grid of values, or the file of a picture."""
     if isinstance(density, (np.ndarray, list, tuple)):
-        grid = np.asarray(density)
+        grid = density_values(density)
         if grid.ndim != 2:
             raise Error(f"density must have the shape [rows, columns], not {list(grid.shape)}", field="density")
         return (f'{{"width":{grid.shape[1]},"height":{grid.shape[0]},'
@@ -153,6 +203,9 @@ def sample_body(domain: Any, members: Mapping[str, Any]) -> Tuple[str, bool]:
 
 def surface_request(domain: Any, members: Mapping[str, Any]) -> Tuple[Any, Dict[str, str]]:
     """Returns the arguments of the extension module for points on a mesh: the mesh, and the options as text."""
+    density = members.get("density")
+    if density is not None and not isinstance(density, str):
+        members = {**members, "density": density_values(density)}
     options = mesh_texts(members, array_json)
     if not isinstance(domain, Mesh):
         return read_file(domain, "domain"), options
@@ -187,7 +240,7 @@ def _voxel_file(density: Any) -> bytes:
     """Returns voxels as the bytes of a file."""
     if not isinstance(density, (np.ndarray, list, tuple)):
         return read_file(density, "density")
-    array: npt.NDArray[Any] = np.asarray(density)
+    array = density_values(density)
     if array.ndim != 3 or array.dtype.kind not in "biuf":
         raise Error("density must be an array [depth, height, width] of numbers or booleans, not an array of the type "
                     f"{array.dtype} with the shape {array.shape}", field="density")
@@ -200,6 +253,9 @@ def _voxel_file(density: Any) -> bytes:
 
 def _mesh_array(value: Any, name: str, dtype: Any, columns: int) -> npt.NDArray[Any]:
     array = np.asarray(value)
+    hidden = masked_values(value)
+    if hidden is not None:
+        check_numbers(array, hidden, name)
     if array.ndim != 2 or array.shape[1] != columns or array.dtype.kind not in ("fiu" if dtype == np.float64 else "iu"):
         raise Error(f"{name} must be {'numbers' if dtype == np.float64 else 'integers'} of the shape [n, {columns}], not "
                     f"{array.dtype} {list(array.shape)}", field=name)
