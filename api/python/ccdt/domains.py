@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from dataclasses import dataclass
 from typing import Any, Dict, Optional, Union
 
+from ._options import plain
 from .errors import Error
 
 
@@ -99,20 +101,53 @@ def domain_member(domain: Union[Torus, Rectangle, Box, Pixels]) -> Dict[str, Any
 
 
 def region_members(domain: Any) -> Dict[str, Any]:
-    """Returns the member of a request that gives its area: `domain`, `geometry` or `polygon`."""
+    """Returns the member of a request that gives its area: `domain`, `geometry` or `polygon`.
+
+    The reference system of an object, such as a GeoDataFrame, becomes a member of its geometry. If it has longitudes
+    and latitudes, these are the default of the member `coordinates`.
+    """
     if isinstance(domain, (Torus, Rectangle, Box, Pixels)):
         return {"domain": domain_member(domain)}
     if isinstance(domain, (str, os.PathLike)):
         domain = _read_json(domain)
     if hasattr(domain, "__geo_interface__"):
-        domain = domain.__geo_interface__
+        system = getattr(domain, "crs", None)
+        geometry = _writable(domain.__geo_interface__)
+        if system is None:
+            return {"geometry": geometry}
+        name = system.to_wkt() if hasattr(system, "to_wkt") else str(system)
+        return {"geometry": {**geometry, "crs": {"type": "name", "properties": {"name": name}}},
+                **({"coordinates": "lonlat"} if getattr(system, "is_geographic", False) else {})}
     if isinstance(domain, dict):
-        return {"domain" if domain.get("type") in ("torus", "rectangle", "box", "pixels") else "geometry": domain}
+        if domain.get("type") in ("torus", "rectangle", "box", "pixels"):
+            return {"domain": domain}
+        return {"geometry": _writable(domain)}
     if hasattr(domain, "__len__"):
         return {"polygon": domain}
     raise Error("domain must be the corners of a polygon, GeoJSON, the path of a file with GeoJSON or a mesh, an object "
                 "with __geo_interface__, a mesh, a torus, a rectangle, a box, a solid or pixels, not "
                 + type(domain).__name__, field="domain")
+
+
+def _writable(geojson: Any) -> Any:
+    """Returns GeoJSON whose properties JSON can express. NaN becomes null, and values of other types become text."""
+    if not isinstance(geojson, dict):
+        return geojson
+    result = dict(geojson)
+    if isinstance(result.get("features"), (list, tuple)):
+        result["features"] = [_writable(each) for each in result["features"]]
+    if isinstance(result.get("properties"), dict):
+        result["properties"] = {name: _property(value) for name, value in result["properties"].items()}
+    return result
+
+
+def _property(value: Any) -> Any:
+    value = plain(value)
+    if value is None or isinstance(value, (str, bool, int, dict, list, tuple)):
+        return value
+    if isinstance(value, float):
+        return None if math.isnan(value) else value
+    return value.isoformat() if hasattr(value, "isoformat") else str(value)
 
 
 def jsonable(value: Any) -> Any:
