@@ -393,9 +393,10 @@ def interrupt(*_):
     raise ZeroDivisionError
 signal.signal(signal.SIGALRM, interrupt)
 os.mkfifo("pipe")
+points = ccdt.sample(ccdt.Torus(), 5)  # imports NumPy, which an alarm would make an ImportError
 try:
     signal.setitimer(signal.ITIMER_REAL, 0.1, 0.1)
-    ccdt.sample(ccdt.Torus(), 5).save("pipe", "csv")
+    points.save("pipe", "csv")
 except ZeroDivisionError:
     print("interrupted")
 """
