@@ -60,6 +60,10 @@ def test_types_with_the_same_values_give_the_same_dots(ramp):
     assert np.array_equal(dots(black_white), dots(black_white * np.uint8(255)))
     assert np.array_equal(dots(black_white.astype(np.float64)), dots(black_white))
     assert np.array_equal(dots(black_white.astype(np.float32), linear=True), dots(black_white))
+    assert np.array_equal(dots(ramp.astype(np.int64)), dots(ramp))
+    assert np.array_equal(dots(ramp.tolist()), dots(ramp))
+    with pytest.warns(ccdt.Warning, match="almost black"):
+        dots([[0, 1]])
     shades = ramp / 255
     assert np.allclose(dots(shades), dots(ramp), atol=0.05)
     assert not np.allclose(dots(shades, linear=True), dots(ramp), atol=0.05)
@@ -69,7 +73,8 @@ def test_types_with_the_same_values_give_the_same_dots(ramp):
     (np.zeros((0, 5), np.uint8), "at least one pixel"),
     (np.zeros(5, np.uint8), "shape"),
     (np.zeros((2, 2, 5), np.uint8), "shape"),
-    (np.zeros((2, 2), np.int64), "int64"),
+    (np.full((2, 2), 256), "int64 must have values from 0 to 255, not from 256 to 256"),
+    ([[0, -1]], "from -1 to 0"),
     (np.zeros((2, 2), complex), "complex128"),
     (np.full((2, 2), np.nan), "nan"),
     (np.full((2, 2), np.inf), "inf"),

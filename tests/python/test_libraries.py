@@ -4,11 +4,14 @@
 import datetime
 import decimal
 import json
+import random
+import types
 
 import ccdt
 import numpy as np
 import pyproj
 import pytest
+import scipy.spatial
 import shapely.geometry
 
 SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1]]
@@ -47,5 +50,88 @@ def test_columns_may_have_any_type():
     with pytest.warns(ccdt.Warning, match="null: this counts as 0"):
         points = ccdt.sample(Frame(TALL, METRES, **columns), "count", properties="*")
     assert len(points) == 10
+    ccdt.sample([[0, 30], [9, 30], [0, 70]], 5, avoid=Frame(TALL[:1], day=[datetime.date(2020, 1, 2)]))
     feature = json.loads(points.write("geojson"))["features"][0]
     assert {name: feature["properties"][name] for name in columns} == {"count": 10, "day": "2020-01-02", "cost": "1.5"}
+
+
+def test_seeds_are_drawn_from_generators():
+    def twice(make):
+        """Returns the results of two seeds of one generator, and of the first seed of an equal one."""
+        generator, equal = make(), make()
+        return [ccdt.sample(SQUARE, 20, seed=each).tolist() for each in (generator, generator, equal)]
+
+    for make in (lambda: np.random.default_rng(5), lambda: np.random.RandomState(5), lambda: random.Random(5)):
+        first, second, again = twice(make)
+        assert first == again and first != second
+    seed = int(np.random.default_rng(5).integers(2**53))
+    assert np.array_equal(ccdt.sample(SQUARE, 20, seed=seed), ccdt.sample(SQUARE, 20, seed=np.random.default_rng(5)))
+    assert np.array_equal(ccdt.mask(8, seed=seed), ccdt.mask(8, seed=np.random.default_rng(5)))
+    picture = np.zeros((8, 8), np.uint8)
+    assert (ccdt.halftone(picture, 20, seed=seed).write()
+            == ccdt.halftone(picture, 20, seed=np.random.default_rng(5)).write())
+
+
+class Table:
+    """Stands in for pandas.DataFrame, whose columns are attributes."""
+
+    def __init__(self, **columns):
+        self.columns = list(columns)
+        self.__dict__.update(columns)
+
+    def __array__(self, dtype=None):
+        return np.column_stack([getattr(self, name) for name in self.columns]).astype(dtype)
+
+
+def test_tables_are_positions():
+    corners = np.array(SQUARE, float)
+    points = ccdt.sample(Table(n=np.zeros(4), y=corners[:, 1], x=corners[:, 0]), 30, fixed=Table(a=[0.5], b=[0.25]))
+    assert np.array_equal(points, ccdt.sample(SQUARE, 30, fixed={"type": "Point", "coordinates": [0.5, 0.25]}))
+    assert np.array_equal(points, ccdt.sample(SQUARE, 30, fixed=[[0.5, 0.25]]))
+    x, y = points.T
+    assert ccdt.analyze(Table(x=x, y=y), ccdt.Rectangle()).power.tolist() \
+        == ccdt.analyze(np.asarray(points), ccdt.Rectangle()).power.tolist()
+    solid = ccdt.sample(ccdt.Box(), 30)
+    x, y, z = solid.T
+    assert ccdt.analyze(Table(x=x, y=y, z=z), ccdt.Box()).power.tolist() == ccdt.analyze(solid).power.tolist()
+
+
+CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float)
+FACES = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+
+
+def test_meshes_of_other_libraries_are_surfaces():
+    expected = ccdt.sample(ccdt.Mesh(CORNERS, FACES), 40)
+    counted = np.column_stack([np.full(4, 3), FACES]).ravel()
+    for mesh in (types.SimpleNamespace(vertices=CORNERS, faces=FACES),
+                 types.SimpleNamespace(vertices=CORNERS.tolist(), triangles=FACES.tolist(), vertex_colors=[]),
+                 types.SimpleNamespace(points=CORNERS, faces=counted)):
+        points = ccdt.sample(mesh, 40)
+        assert np.array_equal(points, expected) and points.colors is None
+        assert np.array_equal(ccdt.sample(ccdt.Solid(mesh), 10), ccdt.sample(ccdt.Solid(ccdt.Mesh(CORNERS, FACES)), 10))
+        assert ccdt.analyze(np.asarray(points), mesh, modes=5).power.tolist() == ccdt.analyze(points, modes=5).power.tolist()
+    colors = np.full((4, 4), 200, np.uint8)
+    visual = types.SimpleNamespace(kind="vertex", vertex_colors=colors)
+    assert (ccdt.sample(types.SimpleNamespace(vertices=CORNERS, faces=FACES, visual=visual), 9).colors == 200).all()
+    painted = types.SimpleNamespace(vertices=CORNERS, triangles=FACES, vertex_colors=colors[:, :3] / 255)
+    assert (ccdt.sample(painted, 9).colors == 200).all()
+    with pytest.raises(ccdt.Error, match="triangulate"):
+        ccdt.sample(types.SimpleNamespace(points=CORNERS, faces=np.array([4, 0, 1, 2, 3])), 5)
+
+
+def test_triangulations_of_scipy_are_their_hulls(recwarn):
+    places = np.random.default_rng(1).random((30, 3))
+    for hull in (scipy.spatial.Delaunay, scipy.spatial.ConvexHull):
+        flat = hull(places[:, :2])
+        points = ccdt.sample(flat, 50)
+        assert points.shape == (50, 2)
+        border = shapely.geometry.MultiPoint(places[:, :2]).convex_hull
+        assert all(border.contains(shapely.geometry.Point(point)) for point in points)
+        inside = ccdt.sample(hull(places), 50)
+        assert isinstance(inside, ccdt.VolumePoints)
+        assert (scipy.spatial.Delaunay(places).find_simplex(inside) >= 0).all()
+    assert not recwarn.list
+    grid = np.column_stack([places[:, :2], np.zeros(30)])
+    triangulation = scipy.spatial.Delaunay(places[:, :2])
+    assert np.array_equal(ccdt.sample(ccdt.Mesh(grid, triangulation), 20),
+                          ccdt.sample(ccdt.Mesh(grid, triangulation.simplices), 20))

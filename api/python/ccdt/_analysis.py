@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from . import _core
 from ._drawing import Drawing
+from ._libraries import domain_of, positions_of
 from ._request import array_json, running, surface_request
 from ._sample import Points
 from .domains import Box, Mesh, Rectangle, Solid, Torus, domain_member, is_in_space, is_mesh_file
@@ -112,6 +113,7 @@ def analyze(points: Any, domain: Any = None, *, max_frequency: Optional[float] =
     """
     if domain is None and isinstance(points, Points):
         domain = points._domain
+    points, domain = positions_of(points), domain_of(domain)
     if isinstance(domain, Solid):
         raise Error("domain must be a box or a torus, because points in a solid cannot be analyzed", field="domain")
     is_surface = isinstance(domain, Mesh) or is_mesh_file(domain)

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from . import _core
 from ._drawing import Drawing, Kept
+from ._libraries import seed_of
 from ._options import DeviceOptions, HalftoneOptions, Progress, check_names, texts_of
 from ._request import npy_array, picture_of, running, warn_of_answer
 
@@ -160,8 +161,8 @@ def halftone(picture: Any, sites: Optional[int] = None, *, device: Optional[str]
     Options, ranges, defaults, dots and bytes are those of ``POST /halftone`` of ccdt-server.
 
     Args:
-        picture: array [height, width] or [height, width, channels] of bool, uint8, uint16, or floats from 0 to 1; an
-            image of Pillow; or a file as a path, bytes, or an open file. One channel is grey, three are red, green
+        picture: array [height, width] or [height, width, channels] of bool, uint8, uint16, other integers from 0 to
+            255, or floats from 0 to 1; an image of Pillow; or a file as a path, bytes, or an open file. One channel is grey, three are red, green
             and blue; a second or a fourth channel is alpha.
         sites: exact number of dots. By default, it is chosen for the picture and the size of the drawing.
         device: name of a device, such as ``"spectra6"``. The result is then a :class:`DevicePicture`.
@@ -178,6 +179,8 @@ def halftone(picture: Any, sites: Optional[int] = None, *, device: Optional[str]
         TypeError: there is no such option.
     """
     check_names("halftone", options, HalftoneOptions if device is None else DeviceOptions)
+    if "seed" in options:
+        options["seed"] = seed_of(options["seed"])
     texts = texts_of({"sites": sites, "device": device, **options, "format": format})
     pixels = picture_of(picture)
     if device is not None:

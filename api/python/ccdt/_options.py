@@ -11,6 +11,10 @@ from .errors import Error
 Progress = Optional[Callable[[float], object]]
 
 
+# An integer, or a generator of NumPy or of the module random, from which one is drawn.
+Seed = Any
+
+
 class PlotOptions(TypedDict, total=False):
     """Options of drawings on paper. Lengths are in millimetres."""
 
@@ -29,7 +33,7 @@ class HalftoneOptions(PlotOptions, total=False):
     """Options of :func:`ccdt.halftone`."""
 
     minutes: float
-    seed: int
+    seed: Seed
     iterations: int
     passes: int
     quality: str

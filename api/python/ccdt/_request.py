@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from . import _core
 from ._files import read_file
+from ._libraries import positions_of
 from ._options import Progress, mesh_texts
 from .domains import Mesh, Solid, domain_member, jsonable, region_members
 from .errors import Error, warn, warn_of
@@ -59,8 +60,15 @@ def array_picture(array: npt.NDArray[Any], name: str = "picture") -> npt.NDArray
         if not (low >= 0 and high <= 1):  # also true for NaN
             raise Error(f"{name} of floats must have values from 0 to 1, not from {low:g} to {high:g}", field=name)
         array = array.astype(np.float32, copy=False)
-    elif array.dtype.kind != "u" or array.dtype.itemsize > 2:
+    elif array.dtype.kind not in "iu":
         raise Error(f"{name} must have the type bool, uint8, uint16 or float, not {array.dtype}", field=name)
+    elif array.dtype.kind == "i" or array.dtype.itemsize > 2:
+        if array.min() < 0 or array.max() > 255:
+            raise Error(f"{name} of {array.dtype} must have values from 0 to 255, not from {array.min()} to "
+                        f"{array.max()}; use uint16 for values to 65535", field=name)
+        if array.max() == 1:
+            warn(f"{name} of {array.dtype} has no values above 1, which are almost black: white is 255, or True of bool")
+        array = array.astype(np.uint8)
     native = array.astype(array.dtype.newbyteorder("="), copy=False)
     pixels = np.ascontiguousarray(native).reshape(shape[0], shape[1], -1)
     if hidden is None:
@@ -96,13 +104,14 @@ def picture_of(source: Any, name: str = "picture") -> Picture:
     """Converts a picture for the extension module."""
     if hasattr(source, "getexif"):  # an image of Pillow
         return pillow_picture(source, name)
-    if isinstance(source, (np.ndarray, list, tuple)) or hasattr(source, "__array_interface__"):
+    if isinstance(source, (np.ndarray, list, tuple)) or hasattr(source, "__array_interface__") or hasattr(source, "__array__"):
         return array_picture(source if isinstance(source, _ma.MaskedArray) else np.asarray(source), name)
     return read_file(source, name, "an array, an image of Pillow, ")
 
 
 def array_json(value: Any, name: str) -> str:
     """Writes an array of numbers as JSON."""
+    value = positions_of(value)
     try:
         array = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError) as reason:
@@ -193,6 +202,8 @@ def sample_body(domain: Any, members: Mapping[str, Any]) -> Tuple[str, bool]:
     for name, value in members.items():
         if name == "density":
             texts[name] = density_json(value)
+        elif name == "fixed":
+            texts[name] = json_of(positions_of(value), name)
         elif name == "exclude" and not isinstance(value, dict):
             texts[name] = picture_json(value, name)
         else:
@@ -252,7 +263,7 @@ def _voxel_file(density: Any) -> bytes:
 
 
 def _mesh_array(value: Any, name: str, dtype: Any, columns: int) -> npt.NDArray[Any]:
-    array = np.asarray(value)
+    array = np.asarray(getattr(value, "simplices", value))
     hidden = masked_values(value)
     if hidden is not None:
         check_numbers(array, hidden, name)

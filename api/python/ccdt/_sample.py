@@ -11,7 +11,8 @@ import numpy.typing as npt
 
 from . import _core
 from ._drawing import Drawing, Kept
-from ._options import PixelOptions, Progress, SampleOptions, SurfaceOptions, VolumeOptions, check_names
+from ._libraries import domain_of, seed_of
+from ._options import PixelOptions, Progress, SampleOptions, Seed, SurfaceOptions, VolumeOptions, check_names
 from ._request import npy_array, running, sample_body, surface_request, volume_request
 from .domains import Box, Mesh, Pixels, Solid, Torus, is_in_space, is_mesh_file
 from .errors import Error
@@ -206,18 +207,18 @@ class VolumePoints(_Points3):
 
 
 @overload
-def sample(domain: Union[Box, Solid], sites: int, *, density: Any = None, seed: int = 0, threads: Optional[int] = None,
+def sample(domain: Union[Box, Solid], sites: int, *, density: Any = None, seed: Seed = 0, threads: Optional[int] = None,
            progress: Progress = None, **options: Unpack[VolumeOptions]) -> VolumePoints: ...
 @overload
-def sample(domain: Mesh, sites: int, *, density: Any = None, seed: int = 0, threads: Optional[int] = None,
+def sample(domain: Mesh, sites: int, *, density: Any = None, seed: Seed = 0, threads: Optional[int] = None,
            progress: Progress = None, **options: Unpack[SurfaceOptions]) -> SurfacePoints: ...
 @overload  # type: ignore[misc]  # Any includes Pixels
-def sample(domain: Pixels, sites: int, *, density: Any = None, seed: int = 0, threads: Optional[int] = None,
+def sample(domain: Pixels, sites: int, *, density: Any = None, seed: Seed = 0, threads: Optional[int] = None,
            progress: Progress = None, **options: Unpack[PixelOptions]) -> npt.NDArray[np.bool_]: ...
 @overload
-def sample(domain: Any, sites: Union[int, str, Dict[str, Any], None] = None, *, density: Any = None, seed: int = 0,
+def sample(domain: Any, sites: Union[int, str, Dict[str, Any], None] = None, *, density: Any = None, seed: Seed = 0,
            threads: Optional[int] = None, progress: Progress = None, **options: Unpack[SampleOptions]) -> Points: ...
-def sample(domain: Any, sites: Any = None, *, density: Any = None, seed: int = 0, threads: Optional[int] = None,
+def sample(domain: Any, sites: Any = None, *, density: Any = None, seed: Seed = 0, threads: Optional[int] = None,
            progress: Progress = None, **options: Any) -> Any:
     """Spreads points evenly over an area, a surface or a domain in space, or chooses an exact number of pixels.
 
@@ -228,7 +229,8 @@ def sample(domain: Any, sites: Any = None, *, density: Any = None, seed: int = 0
             an object with ``__geo_interface__``, such as a geometry of Shapely; :class:`Torus`; :class:`Rectangle`;
             :class:`Pixels`; a surface: :class:`Mesh`, or the file of a mesh (STL, OBJ, PLY, OFF, GLB, or glTF with
             embedded buffers) as a path, bytes or an open file; or a domain in space: :class:`Box`, a :class:`Torus`
-            with a depth, or :class:`Solid`.
+            with a depth, or :class:`Solid`. Meshes of trimesh, Open3D and PyVista are surfaces. A Delaunay
+            triangulation or a ConvexHull of SciPy means the convex hull, a polygon or a solid.
         sites: exact number of points; in a dot map, the name of the property that has the counts.
         density: array [rows, columns] of values of at least 0, stretched over the bounding box of the area, with the
             first row at the smallest y (for pixels, at the top); or the file of a picture, in which dark is dense, as
@@ -236,7 +238,8 @@ def sample(domain: Any, sites: Any = None, *, density: Any = None, seed: int = 0
             the vertices; for STL and OBJ files, at the corners of all faces. In space, an array [depth, height, width]
             of voxels, stretched over the domain or the bounding box of the solid, or a file of them (NPY, or a TIFF
             with several pages). Uniform by default.
-        seed: integer from 0 to 2^53 - 1. The same arguments give the same points.
+        seed: integer from 0 to 2^53 - 1, or a generator of NumPy or of the module random, from which one is drawn. The
+            same arguments give the same points.
         threads: number of threads; by default all processors. Results do not depend on it.
         progress: function that receives the completed share of the work, 0 to 1.
         **options: see api/sample/README.md: ``holes``, ``fixed``, ``avoid``, ``buffer``, ``coordinates``, ``quality``,
@@ -251,6 +254,8 @@ def sample(domain: Any, sites: Any = None, *, density: Any = None, seed: int = 0
         Error: an option or the area is not usable. The message names the option and its limit.
         TypeError: there is no such option.
     """
+    domain = domain_of(domain)
+    seed = seed_of(seed)
     if isinstance(domain, Mesh) or is_mesh_file(domain):
         check_names("sample", options, SurfaceOptions)
         mesh, texts = surface_request(domain, {"sites": sites, "density": density, "seed": seed, **options})
@@ -278,7 +283,7 @@ def sample(domain: Any, sites: Any = None, *, density: Any = None, seed: int = 0
     return Points._of(kept, table, domain, names[:table.shape[1] - 2])
 
 
-def mask(width: int, height: Optional[int] = None, depth: Optional[int] = None, *, seed: int = 0, bits: int = 8,
+def mask(width: int, height: Optional[int] = None, depth: Optional[int] = None, *, seed: Seed = 0, bits: int = 8,
          threads: Optional[int] = None, progress: Progress = None) -> npt.NDArray[Any]:
     """Computes a threshold mask for dithering, which tiles without seams.
 
@@ -287,7 +292,7 @@ def mask(width: int, height: Optional[int] = None, depth: Optional[int] = None, 
     Args:
         width, height: size in pixels, 8 to 1024 each; by default, the mask is a square.
         depth: number of frames of an animated mask, which is also even in time, 1 to 256; None: a single picture.
-        seed: integer from 0 to 2^53 - 1.
+        seed: integer from 0 to 2^53 - 1, or a generator as for :func:`sample`.
         bits: 8 or 16, bits of each value.
         threads: number of threads; by default all processors.
         progress: function that receives the completed share of the work, 0 to 1.
@@ -301,6 +306,6 @@ def mask(width: int, height: Optional[int] = None, depth: Optional[int] = None, 
     torus = Torus(width, width if height is None else height, depth)
     if bits not in (8, 16):
         raise Error(f"bits must be 8 or 16, not {bits}", field="bits")
-    body, _ = sample_body(torus, {"seed": seed, "format": "mask" if bits == 8 else "mask16"})
+    body, _ = sample_body(torus, {"seed": seed_of(seed), "format": "mask" if bits == 8 else "mask16"})
     pixels = _core.png_pixels(_core.answer_sample(body, False, running(threads, progress)))
     return pixels if depth is None else pixels.reshape(depth, -1, width)

@@ -67,7 +67,8 @@ class Mesh:
 
     Attributes:
         vertices: positions [n, 3].
-        triangles: indices of the vertices of each triangle [m, 3]. Triangles need not have the same orientation.
+        triangles: indices of the vertices of each triangle [m, 3], or a Delaunay triangulation of SciPy. Triangles need
+            not have the same orientation.
         colors: sRGB colours of the vertices [n, 3], as integers from 0 to 255 or as floats from 0 to 1; None without
             colours.
         texture: texture coordinates of the vertices [n, 2]; None without texture coordinates.
@@ -153,7 +154,7 @@ def _property(value: Any) -> Any:
 def jsonable(value: Any) -> Any:
     """Returns a value that the module json can write instead of an array, or of an object with a geometry."""
     if hasattr(value, "__geo_interface__"):
-        return value.__geo_interface__
+        return _writable(value.__geo_interface__)
     if hasattr(value, "tolist"):
         return value.tolist()
     raise TypeError(f"{type(value).__name__} cannot be written as JSON")
