@@ -4,6 +4,7 @@
 import datetime
 import decimal
 import json
+import math
 import random
 import types
 
@@ -14,6 +15,7 @@ import pytest
 import scipy.spatial
 import shapely.geometry
 
+EARTH_RADIUS = 6378137
 SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1]]
 
 
@@ -97,6 +99,7 @@ def test_tables_are_positions():
 
 
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float)
+SQUARE_IN_SPACE = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
 FACES = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
 
 
@@ -135,3 +138,74 @@ def test_triangulations_of_scipy_are_their_hulls(recwarn):
     triangulation = scipy.spatial.Delaunay(places[:, :2])
     assert np.array_equal(ccdt.sample(ccdt.Mesh(grid, triangulation), 20),
                           ccdt.sample(ccdt.Mesh(grid, triangulation.simplices), 20))
+
+
+@pytest.mark.parametrize(("domain", "density", "means"), [
+    ([[1, 1], [3, 1], [3, 2], [1, 2]], lambda x, y: x - 1, (1 + 4 / 3, 1.5)),
+    ([[1, 1], [3, 1], [3, 2], [1, 2]], lambda x, y: math.sqrt(x - 1), (2.2, 1.5)),
+    (ccdt.Torus(2, 1), lambda x, y: x, (4 / 3, 0.5)),
+    (shapely.geometry.MultiPolygon([shapely.geometry.box(0, 0, 1, 3)]), lambda x, y: 1 + 0 * y, (0.5, 1.5)),
+    (ccdt.Box(2, 1, 3), lambda x, y, z: z, (1, 0.5, 2)),
+    (ccdt.Solid(ccdt.Mesh(CORNERS, FACES)), lambda x, y, z: z, (0.2, 0.2, 0.4)),
+    (ccdt.Mesh(SQUARE_IN_SPACE, [[0, 1, 2], [0, 2, 3]]), lambda x, y, z: x, (2 / 3, 0.5, 0)),
+], ids=["polygon", "numbers", "torus", "shapely", "box", "solid", "mesh"])
+def test_functions_are_densities(domain, density, means):
+    points = ccdt.sample(domain, 2000, density=density)
+    assert np.allclose(points.mean(axis=0), means, atol=0.01)
+
+
+def test_functions_see_the_pixels():
+    chosen = ccdt.sample(ccdt.Pixels(20, 10), 50, density=lambda x, y: (y > 3) & (x < 10.5))
+    assert chosen[3:, :10].sum() == 50
+
+
+@pytest.mark.parametrize(("domain", "density", "text"), [
+    ({"type": "Topology"}, lambda x, y: x, "neither polygons nor a Mesh"),
+    (Frame([(-170, 0, 170, 9)], DEGREES), lambda x, y: x, "wider than 180"),
+    (SQUARE, lambda x, y: x - 2, "at least 0"),
+], ids=["topology", "globe", "negative"])
+def test_functions_that_cannot_be_densities_are_refused(domain, density, text):
+    with pytest.raises(ccdt.Error, match=text):
+        ccdt.sample(domain, 5, density=density)
+
+
+class Raster:
+    """Stands in for xarray.DataArray and for a dataset of rasterio."""
+
+    values = np.array([[np.nan, 4], [0, 1]])  # the first row is at the top
+
+
+class DataArray(Raster):
+    dims = ("band", "y", "x")
+    coords = {"y": np.array([1.75, 1.25]), "x": np.array([1.5, 2.5])}
+
+    def __getitem__(self, name):
+        return self.coords[name]
+
+    def __array__(self, dtype=None):
+        return self.values[None]
+
+
+class Dataset(Raster):
+    transform = (1, 0, 1, 0, -0.5, 2)
+
+    def read(self, band, masked):
+        assert band == 1 and masked
+        return np.ma.masked_invalid(self.values)
+
+
+@pytest.mark.parametrize("raster", [DataArray(), Dataset()], ids=["xarray", "rasterio"])
+def test_rasters_are_densities_at_their_coordinates(raster):
+    points = ccdt.sample([[1, 1], [3, 1], [3, 2], [1, 2]], 1000, density=raster)
+    assert np.histogram2d(*points.T, bins=2, range=[[1, 3], [1, 2]])[0].tolist() == [[0, 0], [200, 800]]
+    part = ccdt.sample([[2, 1.5], [5, 1.5], [5, 3], [2, 3]], 100, density=raster)
+    assert (part[:, 0] <= 3).all() and (part[:, 1] <= 2).all()
+
+
+def test_web_mercator_is_even_on_the_ground():
+    ends = EARTH_RADIUS * np.arcsinh(np.tan(np.radians([40, 60])))
+    frame = Frame([(0, ends[0], 100_000, ends[1])], pyproj.CRS.from_epsg(3857))
+    points = ccdt.sample(frame, 1000)
+    shares = (np.tanh(points[:, 1] / EARTH_RADIUS) - np.sin(np.radians(40))) / np.ptp(np.sin(np.radians([40, 60])))
+    assert abs(shares.mean() - 0.5) < 0.005 and abs(shares.std() - 12**-0.5) < 0.005
+    assert np.median(ccdt.sample(frame, 1000, coordinates="plane")[:, 1]) == pytest.approx(ends.mean(), rel=0.005)

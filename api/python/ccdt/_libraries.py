@@ -11,6 +11,11 @@ from .domains import Mesh, Solid
 from .errors import Error
 
 
+def is_array(value: Any) -> bool:
+    """Returns whether a value is an array or can become one, other than an image of Pillow."""
+    return isinstance(value, (list, tuple)) or hasattr(value, "__array__") and not hasattr(value, "getexif")
+
+
 def seed_of(seed: Any) -> Any:
     """Returns a seed, drawn from a generator of NumPy or of the module random if that is given."""
     for draw in ("integers", "randrange"):

@@ -14,8 +14,9 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from ._density import density_of, ground_of_web_mercator, is_web_mercator
 from ._files import read_file
-from ._libraries import positions_of
+from ._libraries import is_array, positions_of
 from ._options import Progress, mesh_texts
 from .domains import Mesh, Solid, domain_member, jsonable, region_members
 from .errors import Error, warn, warn_of
@@ -104,7 +105,7 @@ def picture_of(source: Any, name: str = "picture") -> Picture:
     """Converts a picture for the extension module."""
     if hasattr(source, "getexif"):  # an image of Pillow
         return pillow_picture(source, name)
-    if isinstance(source, (np.ndarray, list, tuple)) or hasattr(source, "__array_interface__") or hasattr(source, "__array__"):
+    if is_array(source) or hasattr(source, "__array_interface__"):
         return array_picture(source if isinstance(source, _ma.MaskedArray) else np.asarray(source), name)
     return read_file(source, name, "an array, an image of Pillow, ")
 
@@ -179,7 +180,7 @@ def density_values(density: Any) -> npt.NDArray[Any]:
 
 def density_json(density: Any) -> str:
     """Writes a density as JSON: a grid of values, or the file of a picture."""
-    if isinstance(density, (np.ndarray, list, tuple)):
+    if is_array(density):
         grid = density_values(density)
         if grid.ndim != 2:
             raise Error(f"density must have the shape [rows, columns], not {list(grid.shape)}", field="density")
@@ -197,7 +198,12 @@ def sample_body(domain: Any, members: Mapping[str, Any]) -> Tuple[str, bool]:
     """Writes a request for points. Returns it, and whether it contains pictures."""
     members = {name: value for name, value in members.items() if value is not None}
     texts: Dict[str, str] = {}
-    for name, region in region_members(domain).items():
+    area = region_members(domain)
+    if "density" in members:
+        members["density"] = density_of(members["density"], domain, {**area, **members})
+    elif is_web_mercator(domain) and "coordinates" not in members:
+        members["density"] = density_of(ground_of_web_mercator, domain, area)
+    for name, region in area.items():
         texts[name] = points_json(region, name) if name == "polygon" else json_of(region, name)
     for name, value in members.items():
         if name == "density":
@@ -216,7 +222,7 @@ def surface_request(domain: Any, members: Mapping[str, Any]) -> Tuple[Any, Dict[
     """Returns the arguments of the extension module for points on a mesh: the mesh, and the options as text."""
     density = members.get("density")
     if density is not None and not isinstance(density, str):
-        members = {**members, "density": density_values(density)}
+        members = {**members, "density": density_values(density_of(density, domain, {}))}
     options = mesh_texts(members, array_json)
     if not isinstance(domain, Mesh):
         return read_file(domain, "domain"), options
@@ -238,7 +244,7 @@ def volume_request(domain: Any, members: Mapping[str, Any]) -> Tuple[Any, Dict[s
     density = members.get("density")
     rest = {name: value for name, value in members.items() if name != "density"}
     if density is not None:
-        density = _voxel_file(density)
+        density = _voxel_file(density_of(density, domain, {}))
     if isinstance(domain, Solid):
         mesh, options = surface_request(domain.mesh, {**rest, "domain": "solid"})
         return mesh, options if density is None else {**options, "density": density}
@@ -249,7 +255,7 @@ def volume_request(domain: Any, members: Mapping[str, Any]) -> Tuple[Any, Dict[s
 
 def _voxel_file(density: Any) -> bytes:
     """Returns voxels as the bytes of a file."""
-    if not isinstance(density, (np.ndarray, list, tuple)):
+    if not is_array(density):
         return read_file(density, "density")
     array = density_values(density)
     if array.ndim != 3 or array.dtype.kind not in "biuf":

@@ -237,7 +237,9 @@ def sample(domain: Any, sites: Any = None, *, density: Any = None, seed: Seed = 
             a path, bytes, or an open file. For a surface, ``"color"``, ``"curvature"``, or an array [n] of values at
             the vertices; for STL and OBJ files, at the corners of all faces. In space, an array [depth, height, width]
             of voxels, stretched over the domain or the bounding box of the solid, or a file of them (NPY, or a TIFF
-            with several pages). Uniform by default.
+            with several pages). Also a function of the coordinates of points, which is called with arrays; in the plane,
+            a DataArray of xarray with coordinates, or a dataset of rasterio, in the coordinates of the domain, where NaN
+            means 0. Uniform by default.
         seed: integer from 0 to 2^53 - 1, or a generator of NumPy or of the module random, from which one is drawn. The
             same arguments give the same points.
         threads: number of threads; by default all processors. Results do not depend on it.
