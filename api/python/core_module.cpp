@@ -438,6 +438,7 @@ PYBIND11_MODULE(_core, module) {
     using namespace ccdt::python;
 
     module.doc() = "Parses requests, computes and writes answers.";
+    module.attr("__version__") = CCDT_VERSION;
 
     py::class_<Running>(module, "Running")
         .def(py::init<std::size_t, py::object>(), py::arg("threads"), py::arg("progress"));

@@ -3,17 +3,22 @@
 
 import datetime
 import decimal
+import io
 import json
 import math
 import random
+import sys
 import types
 
 import ccdt
+import matplotlib.figure
 import numpy as np
 import pyproj
 import pytest
 import scipy.spatial
 import shapely.geometry
+from ccdt.domains import jsonable
+from PIL import Image
 
 EARTH_RADIUS = 6378137
 SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1]]
@@ -209,3 +214,60 @@ def test_web_mercator_is_even_on_the_ground():
     shares = (np.tanh(points[:, 1] / EARTH_RADIUS) - np.sin(np.radians(40))) / np.ptp(np.sin(np.radians([40, 60])))
     assert abs(shares.mean() - 0.5) < 0.005 and abs(shares.std() - 12**-0.5) < 0.005
     assert np.median(ccdt.sample(frame, 1000, coordinates="plane")[:, 1]) == pytest.approx(ends.mean(), rel=0.005)
+
+
+def test_points_are_a_geometry():
+    points = ccdt.sample(SQUARE, 20)
+    assert np.array_equal([each.coords[0] for each in shapely.geometry.shape(points).geoms], points)
+    assert not hasattr(points[:5], "__geo_interface__")
+    assert jsonable(points) == points.tolist()
+
+
+def test_points_become_a_frame(monkeypatch):
+    """GeoPandas has a stand-in that returns its arguments."""
+    pandas = types.SimpleNamespace(GeoDataFrame=lambda columns, **rest: {**columns, **rest},
+                                   points_from_xy=lambda *axes: np.column_stack(axes))
+    monkeypatch.setitem(sys.modules, "geopandas", pandas)
+    points = ccdt.sample(Frame(TALL, METRES, count=[3, 4]), "count", order="progressive")
+    frame = points.to_geodataframe()
+    assert frame["crs"] == METRES and np.array_equal(frame["geometry"], points)
+    assert frame["feature"].tolist() == points.features.tolist() and sorted(frame["rank"]) == list(range(7))
+    degrees = ccdt.sample(Frame(TALL), 5, coordinates="lonlat").to_geodataframe()
+    assert set(degrees) == {"geometry", "crs"} and degrees["crs"] == "EPSG:4326"
+    space = ccdt.sample(ccdt.Mesh(CORNERS, FACES), 9).to_geodataframe()
+    assert set(space) == {"faces", "geometry", "crs"} and space["geometry"].shape == (9, 3) and space["crs"] is None
+
+
+def test_results_are_pictures_as_arrays(ramp):
+    halftone = ccdt.halftone(ramp, 60, scale=2)
+    assert np.array_equal(np.asarray(halftone), halftone.image())
+    assert np.asarray(halftone, dtype=float).dtype == np.float64
+    device = ccdt.halftone(ramp, device="gray4")
+    assert np.array_equal(np.asarray(device), device.image())
+
+
+def test_results_are_plotted(ramp):
+    def axes(projection=None):
+        return matplotlib.figure.Figure().add_subplot(projection=projection)
+
+    halftone = ccdt.halftone(ramp, 60, scale=2)
+    [image] = halftone.plot(axes()).images
+    assert np.array_equal(image.get_array(), halftone.image()) and tuple(image.get_extent()) == (0, 64, 48, 0)
+    points = ccdt.sample(SQUARE, 20)
+    [dots] = points.plot(axes(), c="red").collections
+    assert np.array_equal(dots.get_offsets(), points)
+    analysis = ccdt.analyze(points, ccdt.Rectangle())
+    [curve] = analysis.plot(axes(), label="dots").lines
+    assert np.array_equal(curve.get_ydata(), analysis.power) and curve.get_label() == "dots"
+    surface = ccdt.sample(ccdt.Mesh(CORNERS, FACES), 50)
+    assert len(surface.plot(axes("3d")).collections) == len(ccdt.analyze(surface, modes=5).plot(axes()).lines) == 1
+
+
+@pytest.mark.parametrize("domain", [ccdt.Box(2, 1, 1), ccdt.Mesh(SQUARE_IN_SPACE, [[0, 1, 2], [0, 2, 3]])], ids=str)
+def test_notebooks_show_points_in_space(domain, monkeypatch):
+    points = ccdt.sample(domain, 50)
+    picture = np.asarray(Image.open(io.BytesIO(points._repr_png_())).convert("L"))
+    assert (picture < 128).sum() > 50
+    assert points.copy()._repr_png_() is None
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    assert points._repr_png_() is None

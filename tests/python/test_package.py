@@ -51,11 +51,11 @@ def test_pip_installs_the_package_without_network(tmp_path):
     output_of(sys.executable, "-m", "pip", "--python", tmp_path / "venv/bin/python", "install", "--no-index",
               "--no-cache-dir", SOURCE, "--config-settings", f"build-dir={os.environ['CCDT_BUILD']}", env=environment)
     script = ("import ccdt, importlib.metadata as data; "
-              "print(ccdt.__file__, data.version('ccdt'), ccdt.sample(ccdt.Torus(), 9).shape)")
+              "print(ccdt.__file__, data.version('ccdt'), ccdt.__version__, ccdt.sample(ccdt.Torus(), 9).shape)")
     output = output_of(tmp_path / "venv/bin/python", "-c", script, env=environment, cwd=tmp_path)
     assert output.startswith(str(tmp_path))
     version = re.search(r"^project\(ccdt VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text(), re.MULTILINE)[1]
-    assert f" {version} (9, 2)" in output
+    assert f" {version} {version} (9, 2)" in output
 
 
 def build(function, folder):

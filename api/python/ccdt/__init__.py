@@ -19,6 +19,7 @@ from .errors import Error, Warning
 
 if TYPE_CHECKING:
     from ._analysis import Analysis, SurfaceAnalysis, analyze
+    from ._core import __version__
     from ._halftone import DevicePicture, Halftone, halftone
     from ._sample import Points, SurfacePoints, VolumePoints, mask, sample
     from .client import Client
@@ -30,7 +31,8 @@ __all__ = ["Analysis", "Box", "Client", "DevicePicture", "Error", "Halftone", "M
 # Modules that are loaded when one of their names is first used.
 _MODULES = {"Analysis": "_analysis", "analyze": "_analysis", "Client": "client", "DevicePicture": "_halftone",
             "Halftone": "_halftone", "halftone": "_halftone", "Points": "_sample", "mask": "_sample",
-            "SurfaceAnalysis": "_analysis", "SurfacePoints": "_sample", "VolumePoints": "_sample", "sample": "_sample"}
+            "SurfaceAnalysis": "_analysis", "SurfacePoints": "_sample", "VolumePoints": "_sample", "sample": "_sample",
+            "__version__": "_core"}
 
 
 def __getattr__(name: str) -> Any:

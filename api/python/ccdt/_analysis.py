@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._drawing import Drawing
+from ._drawing import Drawing, Plotted
 from ._libraries import domain_of, positions_of
 from ._request import array_json, running, surface_request
 from ._sample import Points
@@ -20,13 +20,17 @@ from .errors import Error
 Floats = npt.NDArray[np.float64]
 
 
-class _Measures:
+class _Measures(Plotted):
     def __init__(self, answer: Dict[str, Any]) -> None:
         self.frequency: Floats = np.array(answer["frequency"], dtype=np.float64)
         self.power: Floats = np.array(answer["power"], dtype=np.float64)
         self.low_frequency_power: Optional[float] = answer["low_frequency_power"]
         self.min_distance: float = answer["min_distance"]
         self.mean_distance: float = answer["mean_distance"]
+
+    def _plot(self, ax: Any, options: Dict[str, Any]) -> None:
+        ax.plot(self.frequency, self.power, **options)
+        ax.set(xlabel="frequency", ylabel="power")
 
     def __repr__(self) -> str:
         return (f"<ccdt.{type(self).__name__}: min_distance {self.min_distance:.3f}, "

@@ -3,6 +3,8 @@ from typing import Any, Callable, List, Optional, Tuple
 
 import numpy.typing as npt
 
+__version__: str
+
 class Running:
     def __init__(self, threads: int, progress: Optional[Callable[[float], object]]) -> None: ...
 

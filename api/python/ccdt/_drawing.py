@@ -33,7 +33,33 @@ def format_of(path: Path) -> str:
     return formats[extension]
 
 
-class Drawing:
+class Plotted:
+    """A result that matplotlib can draw."""
+
+    _is_in_space = False
+
+    def plot(self, ax: Any = None, **options: Any) -> Any:
+        """Draws the result with matplotlib.
+
+        Args:
+            ax: axes of matplotlib; by default, the current ones or, for points in space, new ones.
+            **options: options of matplotlib: of imshow for pictures, of scatter for points, of plot for curves.
+
+        Returns:
+            the axes.
+        """
+        if ax is None:
+            import matplotlib.pyplot
+
+            ax = matplotlib.pyplot.subplot(projection="3d") if self._is_in_space else matplotlib.pyplot.gca()
+        self._plot(ax, options)
+        return ax
+
+    def _plot(self, ax: Any, options: Dict[str, Any]) -> None:
+        raise NotImplementedError
+
+
+class Drawing(Plotted):
     """A result that can be written in several formats."""
 
     def _answer(self, format: str) -> _core.Answer:
@@ -64,6 +90,15 @@ class Drawing:
         Values are sRGB. A fourth channel is alpha. 0 is black, 255 is white.
         """
         return _core.png_pixels(self._answer("png"))
+
+    def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> npt.NDArray[Any]:
+        """Returns :meth:`image`, so that functions such as matplotlib's imshow accept the result."""
+        return self.image().astype(dtype, copy=False) if dtype is not None else self.image()
+
+    def _plot(self, ax: Any, options: Dict[str, Any]) -> None:
+        image = self.image()
+        greys = {"cmap": "gray", "vmin": 0, "vmax": 255} if image.ndim == 2 else {}
+        ax.imshow(image, **{**greys, **options})
 
     def _repr_png_(self) -> Optional[bytes]:
         return self.write("png")

@@ -88,6 +88,9 @@ class Halftone(Drawing):
         """Members of the service's JSON answer, without lists of dots and outlines."""
         return self._describe()[0]
 
+    def _plot(self, ax: Any, options: Dict[str, Any]) -> None:
+        super()._plot(ax, {"extent": (0, self.width, self.height, 0), **options})
+
     def __len__(self) -> int:
         return len(self._table)
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 from typing import TYPE_CHECKING, Any, Dict, Optional, Tuple, Union, overload
 
@@ -26,7 +27,7 @@ Floats = npt.NDArray[np.float64]
 LISTS = ("points", "rank", "ranks", "feature", "class", "faces", "barycentric", "normals", "colors", "texture")
 
 
-class Points(np.ndarray, Drawing):  # type: ignore[type-arg]
+class Points(np.ndarray, Drawing):  # type: ignore[type-arg, misc]  # both have __array__
     """Points as an array, float64 [n, 2], with the other members of the answer.
 
     It behaves like any array. Parts of it, and results of arithmetic, are plain arrays without the further members.
@@ -36,6 +37,7 @@ class Points(np.ndarray, Drawing):  # type: ignore[type-arg]
     _columns: Dict[str, npt.NDArray[Any]]
     _domain: Any
     _info: Optional[Dict[str, Any]]
+    _system: Optional[str]
 
     @classmethod
     def _of(cls, kept: Kept, table: Floats, domain: Any, columns: Tuple[str, ...] = ()) -> Points:
@@ -51,6 +53,7 @@ class Points(np.ndarray, Drawing):  # type: ignore[type-arg]
         self._columns = {}
         self._domain = None
         self._info = None
+        self._system = None
 
     def __array_wrap__(self, array: Any, context: Any = None, return_scalar: bool = False) -> Any:
         return array[()] if array.ndim == 0 else np.asarray(array)
@@ -125,16 +128,56 @@ class Points(np.ndarray, Drawing):  # type: ignore[type-arg]
         return np.array(self.info["triangles"], dtype=np.uint32) if "triangles" in self.info else None
 
 
+    @property
+    def crs(self) -> Any:
+        """Reference system of the domain, EPSG:4326 with ``coordinates="lonlat"``, or None."""
+        return getattr(self._domain, "crs", None) or self._system
+
+    @property
+    def __geo_interface__(self) -> Dict[str, Any]:
+        """The points as a MultiPoint, for Shapely and others."""
+        return {"type": "MultiPoint", "coordinates": self.tolist()}
+
+    def to_geodataframe(self) -> Any:
+        """Returns a GeoDataFrame of GeoPandas with the points, and with their ranks, features and classes as columns."""
+        import geopandas
+
+        columns = {name: values for name, values in self._columns.items() if values.ndim == 1}
+        return geopandas.GeoDataFrame(columns, geometry=geopandas.points_from_xy(*np.asarray(self).T), crs=self.crs)
+
+    def _plot(self, ax: Any, options: Dict[str, Any]) -> None:
+        ax.scatter(*np.asarray(self).T, **{"s": 2, **options})
+        ax.set_aspect("equal")
+
+
 class _Points3(Points):
     """Points with three coordinates."""
+
+    _is_in_space = True
 
     @property
     def vertices(self) -> Optional[Floats]:
         """Vertices of the triangulation, float64 [m, 3], beginning with the points; None without ``mesh=True``."""
         return np.array(self.info["mesh"]["vertices"], dtype=np.float64) if "mesh" in self.info else None
 
+    def _plot(self, ax: Any, options: Dict[str, Any]) -> None:
+        ax.scatter(*np.asarray(self).T, **{"s": 2, **options})
+        sides = np.ptp(np.asarray(self), axis=0)
+        ax.set_box_aspect(np.maximum(sides, sides.max() / 100))
+
     def _repr_png_(self) -> Optional[bytes]:
-        return None
+        """Returns a picture that matplotlib draws, or None without matplotlib."""
+        if self._kept is None:
+            return None
+        try:
+            from matplotlib.figure import Figure
+        except ImportError:
+            return None
+        figure = Figure()
+        self.plot(figure.add_subplot(projection="3d"))
+        file = io.BytesIO()
+        figure.savefig(file, format="png")
+        return file.getvalue()
 
 
 class SurfacePoints(_Points3):
@@ -282,7 +325,9 @@ def sample(domain: Any, sites: Any = None, *, density: Any = None, seed: Seed = 
     table = npy_array(kept.start(threads, progress))
     names = ((("rank",) if options.get("order") == "progressive" else ())
              + (("feature", "class") if table.shape[1] - 2 > (options.get("order") == "progressive") else ()))
-    return Points._of(kept, table, domain, names[:table.shape[1] - 2])
+    points = Points._of(kept, table, domain, names[:table.shape[1] - 2])
+    points._system = "EPSG:4326" if options.get("coordinates") == "lonlat" else None
+    return points
 
 
 def mask(width: int, height: Optional[int] = None, depth: Optional[int] = None, *, seed: Seed = 0, bits: int = 8,

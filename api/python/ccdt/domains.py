@@ -153,7 +153,7 @@ def _property(value: Any) -> Any:
 
 def jsonable(value: Any) -> Any:
     """Returns a value that the module json can write instead of an array, or of an object with a geometry."""
-    if hasattr(value, "__geo_interface__"):
+    if hasattr(value, "__geo_interface__") and not hasattr(value, "strides"):  # Points are an array, too
         return _writable(value.__geo_interface__)
     if hasattr(value, "tolist"):
         return value.tolist()
