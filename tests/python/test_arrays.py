@@ -199,6 +199,18 @@ def test_dot_maps_have_features_and_classes():
     assert np.bincount(counted.features).tolist() == [10, 20] and counted.classes is None
 
 
+def test_features_without_points_give_a_warning():
+    def feature(x, count):
+        return {"type": "Feature", "properties": {"count": count}, "geometry":
+                {"type": "Polygon", "coordinates": [[[x, 0], [x + 1, 0], [x + 1, 1], [x, 1], [x, 0]]]}}
+
+    counties = {"type": "FeatureCollection", "features": [feature(2 * i, n) for i, n in enumerate([1, 0, "2", 1000])]}
+    with pytest.warns(ccdt.Warning, match="^2 of 4 features have a count above 0, but no point") as given:
+        points = ccdt.sample(counties, {"property": "count", "per": 100})
+    assert points.features.tolist() == [3] * 10 and len(given) == 1
+    assert points.warnings == (str(given[0].message),)
+
+
 def test_geometries_of_shapely_are_domains():
     polygon = shapely.geometry.Polygon(SQUARE).difference(shapely.geometry.Point(0.5, 0.5).buffer(0.25))
     points = ccdt.sample(polygon, 80, avoid=shapely.geometry.box(0, 0, 0.2, 0.2))

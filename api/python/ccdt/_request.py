@@ -194,11 +194,14 @@ def picture_json(source: Any, name: str) -> str:
     return json.dumps({"image": base64.b64encode(read_file(source, name)).decode()})
 
 
-def sample_body(domain: Any, members: Mapping[str, Any]) -> Tuple[str, bool]:
-    """Writes a request for points. Returns it, and whether it contains pictures."""
+def sample_body(domain: Any, area: Mapping[str, Any], members: Mapping[str, Any]) -> Tuple[str, bool]:
+    """Writes a request for points. Returns it, and whether it contains pictures.
+
+    Args:
+        area: members of the request that give its area, as from region_members().
+    """
     members = {name: value for name, value in members.items() if value is not None}
     texts: Dict[str, str] = {}
-    area = region_members(domain)
     if "density" in members:
         members["density"] = density_of(members["density"], domain, {**area, **members})
     elif is_web_mercator(domain) and "coordinates" not in members:
@@ -249,7 +252,7 @@ def volume_request(domain: Any, members: Mapping[str, Any]) -> Tuple[Any, Dict[s
         mesh, options = surface_request(domain.mesh, {**rest, "domain": "solid"})
         return mesh, options if density is None else {**options, "density": density}
     if density is None:
-        return sample_body(domain, rest)[0], {}
+        return sample_body(domain, region_members(domain), rest)[0], {}
     return density, {**mesh_texts(rest, array_json), "domain": json_of(domain_member(domain), "domain")}
 
 

@@ -15,8 +15,8 @@ from ._drawing import Drawing, Kept
 from ._libraries import domain_of, seed_of
 from ._options import PixelOptions, Progress, SampleOptions, Seed, SurfaceOptions, VolumeOptions, check_names
 from ._request import npy_array, running, sample_body, surface_request, volume_request
-from .domains import Box, Mesh, Pixels, Solid, Torus, is_in_space, is_mesh_file
-from .errors import Error
+from .domains import Box, Mesh, Pixels, Solid, Torus, is_in_space, is_mesh_file, region_members
+from .errors import Error, warn
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -318,7 +318,8 @@ def sample(domain: Any, sites: Any = None, *, density: Any = None, seed: Seed = 
     raster = isinstance(domain, Pixels)
     check_names("sample", options, PixelOptions if raster else SampleOptions)
     members = {"sites": sites, "density": density, "seed": seed, **options}
-    body, has_pictures = sample_body(domain, {**members, "format": "npy"})
+    area = region_members(domain)
+    body, has_pictures = sample_body(domain, area, {**members, "format": "npy"})
     if raster:
         return npy_array(_core.answer_sample(body, has_pictures, running(threads, progress)))
     kept = Kept(_core.Sample, body, has_pictures)
@@ -327,7 +328,23 @@ def sample(domain: Any, sites: Any = None, *, density: Any = None, seed: Seed = 
              + (("feature", "class") if table.shape[1] - 2 > (options.get("order") == "progressive") else ()))
     points = Points._of(kept, table, domain, names[:table.shape[1] - 2])
     points._system = "EPSG:4326" if options.get("coordinates") == "lonlat" else None
+    if points.features is not None and isinstance(sites, (str, dict)):
+        kept.warnings += _warn_of_rounding(area["geometry"], sites if isinstance(sites, str) else sites["property"],
+                                           points.features)
     return points
+
+
+def _warn_of_rounding(geojson: Dict[str, Any], count: str, found: npt.NDArray[np.uint32]) -> Tuple[str, ...]:
+    """Warns of features of GeoJSON that have a count above 0, but no point. Returns the texts."""
+    features = geojson.get("features", [geojson])
+    counts = np.array([float((each.get("properties") or {}).get(count) or 0) for each in features])
+    points = np.bincount(found, minlength=len(counts))[:len(counts)]
+    empty = int(((counts > 0) & (points == 0)).sum())
+    if empty == 0:
+        return ()
+    text = f"{empty} of {len(counts)} features have a count above 0, but no point: counts divided by per are rounded"
+    warn(text)
+    return (text,)
 
 
 def mask(width: int, height: Optional[int] = None, depth: Optional[int] = None, *, seed: Seed = 0, bits: int = 8,
@@ -353,6 +370,6 @@ def mask(width: int, height: Optional[int] = None, depth: Optional[int] = None, 
     torus = Torus(width, width if height is None else height, depth)
     if bits not in (8, 16):
         raise Error(f"bits must be 8 or 16, not {bits}", field="bits")
-    body, _ = sample_body(torus, {"seed": seed_of(seed), "format": "mask" if bits == 8 else "mask16"})
+    body, _ = sample_body(torus, region_members(torus), {"seed": seed_of(seed), "format": "mask" if bits == 8 else "mask16"})
     pixels = _core.png_pixels(_core.answer_sample(body, False, running(threads, progress)))
     return pixels if depth is None else pixels.reshape(depth, -1, width)
