@@ -180,6 +180,9 @@ def halftone(picture: Any, sites: Optional[int] = None, *, device: Optional[str]
     Raises:
         Error: an option or the picture is not usable. The message names the option and its limit.
         TypeError: there is no such option.
+
+    Warns:
+        Warning: the answer has remarks, which the attribute ``warnings`` of the result keeps.
     """
     check_names("halftone", options, HalftoneOptions if device is None else DeviceOptions)
     if "seed" in options:

@@ -298,6 +298,9 @@ def sample(domain: Any, sites: Any = None, *, density: Any = None, seed: Seed = 
     Raises:
         Error: an option or the area is not usable. The message names the option and its limit.
         TypeError: there is no such option.
+
+    Warns:
+        Warning: the answer has remarks, which the attribute ``warnings`` of the result keeps.
     """
     domain = domain_of(domain)
     seed = seed_of(seed)
