@@ -175,7 +175,7 @@ class Routes(ContractCase):
                            r'(?:nullptr|find_operation\("/halftone"\))\}', source)
         self.assertEqual(len(found), source.count('{"/'))
         computed = re.findall(r'\{"(/[^"]*)", \w+, \w+, \w+, \w+, "\w*", parse_\w+\}',
-                              (SERVER / "work" / "operation.h").read_text())
+                              (SERVER / "requests" / "operation.h").read_text())
         self.assertEqual(set(computed), set(COMPUTING))
         found += [(path, "POST") for path in computed]
         self.assertEqual(sorted(found), sorted((path, method.upper()) for path, method, _ in operations()))
