@@ -398,12 +398,18 @@ test("shows the share of each class of a map among the first points", async () =
   await page.click("#sample .more summary");
   await page.selectOption("#sample [data-name=order] select", "progressive");
   await settled(page, "sample");
-  await page.evaluate(() => {
-    const { arc } = CanvasRenderingContext2D.prototype;
+  await page.evaluate(async () => {
+    const { prototype } = (await import("/assets/dots.js")).DotLayer;
+    const { add, draw } = prototype;
+    let added = 0;
     window.drawn = {};
-    CanvasRenderingContext2D.prototype.arc = function (...to) {
-      window.drawn[this.fillStyle] = (window.drawn[this.fillStyle] ?? 0) + 1;
-      arc.apply(this, to);
+    prototype.add = function (places, view, radius, isShown) {
+      added = Array.from({ length: places.length / 2 }, (_, i) => isShown(i)).filter(Boolean).length;
+      add.call(this, places, view, radius, isShown);
+    };
+    prototype.draw = function (context, colour) {
+      window.drawn[colour] = added;
+      draw.call(this, context, colour);
     };
   });
   await slide(page.locator("#first"), [170]);
@@ -411,8 +417,36 @@ test("shows the share of each class of a map among the first points", async () =
   assert.ok(first > 500 && first < 3000, first);
   await looksAsKept(world, frame(), "sample-map-first");
   const [employed, unemployed] = Object.values(await page.evaluate(() => window.drawn));
-  const share = (sites) => Math.round((first / 6035) * sites);
-  assert.deepEqual([employed % share(5537), unemployed % share(498), employed / share(5537)], [0, 0, unemployed / share(498)]);
+  assert.deepEqual([employed, unemployed], [5537, 498].map((sites) => Math.round((first / 6035) * sites)));
+});
+
+/** Returns the mean of the red, green and blue values, and the share of pixels like paper, in the middle of the canvas. */
+const toneInMiddle = () => world.page.locator("#sample canvas").first().evaluate((canvas) => {
+  const side = 100;
+  const { data } = canvas.getContext("2d").getImageData((canvas.width - side) / 2, (canvas.height - side) / 2, side, side);
+  let [sum, light] = [0, 0];
+  for (let i = 0; i < data.length; i += 4) {
+    sum += (data[i] + data[i + 1] + data[i + 2]) / 3;
+    if (data[i] > 250) ++light;
+  }
+  return { mean: sum / side ** 2, light: light / side ** 2 };
+});
+
+test("draws 200,000 points with their tone, and as dots at higher zooms", async () => {
+  const { page } = world;
+  await page.goto(`${world.url}/#sample?shape=torus&sites=200000&quality=draft`);
+  await settled(page, "sample");
+  const { mean } = await toneInMiddle();
+  assert.ok(Math.abs(mean - 140) < 10, mean);  // half of the area is covered by ink with the value 25
+  for (let step = 0; step < 12; ++step) await page.click("#sample .zoom button[aria-label='Zoom in']");
+  await settled(page, "sample");
+  const zoomed = await toneInMiddle();
+  assert.ok(Math.abs(zoomed.mean - 190) < 8, zoomed.mean);  // dots cover 28 % of the area
+  assert.ok(zoomed.light > 0.6, zoomed.light);
+  await page.check("#mesh");
+  await settled(page, "sample");
+  const meshed = await toneInMiddle();
+  assert.ok(meshed.light < 0.9 * zoomed.light, meshed.light);
 });
 
 test("offers the methods that CCDT is compared with", async () => {

@@ -50,7 +50,7 @@ function windowOf({ points, shape, surface, outline, places }) {
   if (shape.domain) return { points, domain: shape.domain };
   if (surface) return { points, mesh: shape.file.mesh };
   const { x, y, side } = largestSquare(outline.rings);
-  const inside = places.map(([px, py]) => [px - x, py - y])
+  const inside = points.map((_, i) => [places[2 * i] - x, places[2 * i + 1] - y])
     .filter(([px, py]) => px >= 0 && py >= 0 && px <= side && py <= side);
   return { points: inside, domain: { type: "rectangle", width: side, height: side } };
 }

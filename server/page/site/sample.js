@@ -5,6 +5,7 @@ import { ask, post } from "./api.js";
 import { chart } from "./chart.js";
 import { CcdtError } from "./connection.js";
 import { acceptDrops, colour, count, make, metres, save, seconds } from "./dom.js";
+import { DotLayer } from "./dots.js";
 import { Drawing } from "./drawing.js";
 import { explain, Fields } from "./fields.js";
 import { countsOf, isGeojson, mayBeDegrees, polygonsOf } from "./geojson.js";
@@ -17,7 +18,9 @@ import { Snippets } from "./snippets.js";
 import { Viewport } from "./viewport.js";
 
 const maxFrames = 64;
-const minRadius = 0.9;  // CSS pixels; minimum radius of a dot
+const maxFramePoints = 5_000_000;  // maximum number of points in all cached answers
+const minRadius = 0.9;  // CSS pixels; minimum radius of a dot, unless dots are crowded
+const crowdedShare = 0.4;  // minimum radius of crowded dots, in mean spacings; they cover half of the area
 const dotShare = 0.3;  // radius of a dot, in mean spacings
 const mapShare = 0.15;  // the same for dot maps, which have much denser parts
 /** Minimum initial number of dots of a map. Rounding the units per dot allows up to 2.5 times this number. */
@@ -28,6 +31,7 @@ const maxRepairs = 20;  // maximum number of repairs shown
 const maxParts = 30;  // maximum number of parts offered
 const maxPast = 100;  // maximum number of polygons kept for undo
 const maxInAddress = 2000;  // maximum number of characters for corners
+const maxInPath = 1000;  // maximum number of triangles in a path, because browsers do not draw very long paths
 const minScale = 4;  // CSS pixels per threshold below which the mask is smoothed
 const map = { name: "texas.geojson", counted: ["employed", "unemployed"] };
 const knotName = "knot.obj";
@@ -132,6 +136,7 @@ export class Sample extends Panel {
   #mask = null;
   #isStale = true;
   #isBegun = false;  // false until a shape is restored or requested
+  #dots = new DotLayer();
 
   constructor(element) {
     super(element);
@@ -280,8 +285,8 @@ export class Sample extends Panel {
   }
 
   /**
-   * Last result: the members of the server's answer, `shape`, `outline`, the projected points as `places` and, for
-   * points on a surface, the shown surface {vertices, triangles}.
+   * Last result: the members of the server's answer, `shape`, `outline`, the coordinates of the projected points as
+   * `places` (x and y of each in turn) and, for points on a surface, the shown surface {vertices, triangles}.
    */
   get result() {
     return this.#result;
@@ -673,7 +678,13 @@ export class Sample extends Panel {
     const key = this.#keyOf(options);
     if (!this.#frames.has(key)) {
       const frame = await (await this.#ask(options, signal, onProgress)).json();
-      if (this.#frames.size >= maxFrames) this.#frames.delete(this.#frames.keys().next().value);
+      let points = frame.sites;
+      for (const { sites } of this.#frames.values()) points += sites;
+      for (const [old, { sites }] of this.#frames) {
+        if (this.#frames.size < maxFrames && points <= maxFramePoints) break;
+        this.#frames.delete(old);
+        points -= sites;
+      }
       this.#frames.set(key, frame);
     }
     return this.#frames.get(key);
@@ -688,7 +699,9 @@ export class Sample extends Panel {
     if (draft && methodNamed(options.method).options.includes("quality") && !this.#isKept(options)) options.quality = "draft";
     const answer = await this.#frame(options, signal, onProgress);
     const surface = this.isSurface && (answer.mesh ?? await this.surface(signal, onProgress));
-    return { ...answer, surface, shape, outline, places: answer.points.map(outline.project) };
+    const places = new Float64Array(2 * answer.points.length);
+    answer.points.forEach((point, i) => { [places[2 * i], places[2 * i + 1]] = outline.project(point); });
+    return { ...answer, surface, shape, outline, places };
   }
 
   /** Requests the surface to show: a triangulation of evenly spread points, because the page cannot read meshes. */
@@ -750,7 +763,7 @@ export class Sample extends Panel {
   }
 
   get #shownFirst() {
-    return Math.round(this.#result.places.length ** (this.first.value / this.first.max));
+    return Math.round(this.#result.points.length ** (this.first.value / this.first.max));
   }
 
   #showFirst() {
@@ -822,10 +835,7 @@ export class Sample extends Panel {
     if (!this.shape || this.#isSpatial) return;
     if (this.isMask) return this.#drawMask(context);
     this.#drawOutline(context);
-    const result = this.#result;
-    if (result) {
-      for (const offset of this.#tileOffsets()) this.#drawResult(context, result, offset);
-    }
+    if (this.#result) this.#drawResult(context, this.#result);
     if (this.shapeChoice.value === "polygon") this.#drawCorners(context);
   }
 
@@ -872,42 +882,58 @@ export class Sample extends Panel {
     }
   }
 
-  #drawResult(context, result, [dx, dy]) {
-    const pitch = Math.sqrt(areaOf(result.outline.parts) / result.places.length);
-    const dot = (this.plotter.isOn && this.plotter.options().dot) || (result.features ? mapShare : dotShare) * pitch;
-    const radius = Math.max(dot * this.viewport.scale, minRadius);
-    if (result.triangles && this.mesh.checked) this.#drawMesh(context, result, [dx, dy]);
-    const all = result.places.length, shown = result.rank ? this.#shownFirst : all;
-    const classes = result.classes ?? [{ color: colour(dx === 0 && dy === 0 ? "--ink" : "--quiet"), sites: all }];
-    for (const [number, { color, sites }] of classes.entries()) {
-      const most = Math.round((shown / all) * sites);  // each class has a separate progressive order
-      context.fillStyle = color;
-      context.beginPath();
-      result.places.forEach(([px, py], i) => {
-        if (result.class && result.class[i] !== number) return;
-        if (result.rank?.[i] >= most) return;
-        const { x, y } = this.#toScreen([px + dx, py + dy]);
-        context.moveTo(x + radius, y);
-        context.arc(x, y, radius, 0, 2 * Math.PI);
-      });
-      context.fill();
+  #drawResult(context, result) {
+    const { points, classes } = result;
+    const tiles = this.#tileOffsets();
+    if (result.triangles && this.mesh.checked) for (const offset of tiles) this.#drawMesh(context, result, offset);
+    const all = points.length, shown = result.rank ? this.#shownFirst : all;
+    const area = areaOf(result.outline.parts);
+    const dot = (this.plotter.isOn && this.plotter.options().dot) || (result.features ? mapShare : dotShare) * Math.sqrt(area / all);
+    const { scale } = this.viewport;
+    const radius = Math.max(dot * scale, Math.min(minRadius, crowdedShare * scale * Math.sqrt(area / shown)));
+    const isCopy = ([dx, dy]) => dx !== 0 || dy !== 0;
+    const layers = classes?.map(({ color, sites }, number) => ({ tiles, color, sites, number })) ?? [
+      { tiles: tiles.filter(isCopy), color: colour("--quiet"), sites: all },
+      { tiles: [[0, 0]], color: colour("--ink"), sites: all },
+    ];
+    for (const { sites, ...layer } of layers) {
+      // Each class has a separate progressive order.
+      if (layer.tiles.length > 0) this.#drawLayer(context, result, radius, { ...layer, most: Math.round((shown / all) * sites) });
     }
   }
 
-  /** Draws the triangulation. On a torus, draws each edge to the nearest copy of its other end. */
+  /** Draws the first `most` dots of class `number`, or of all classes if it is undefined, at each of the tiles. */
+  #drawLayer(context, { places, rank, class: classOf }, radius, { tiles, color, number, most }) {
+    const ratio = devicePixelRatio;
+    const isShown = (i) => (number === undefined || classOf[i] === number) && !(rank?.[i] >= most);
+    this.#dots.begin(context.canvas.width, context.canvas.height);
+    for (const { x, y } of tiles.map((offset) => this.#toScreen(offset)))
+      this.#dots.add(places, { x: ratio * x, y: ratio * y, scale: ratio * this.viewport.scale }, ratio * radius, isShown);
+    this.#dots.draw(context, color);
+  }
+
+  /** Draws the visible triangles. On a torus, draws each edge to the nearest copy of its other end. */
   #drawMesh(context, { vertices, triangles, shape, outline }, [dx, dy]) {
     const period = shape.domain?.type === "torus" ? shape.domain : null;
     const near = (from, to, side) => (period ? to - side * Math.round((to - from) / side) : to);
+    const { width, height } = this.viewport.size;
+    context.strokeStyle = colour("--accent");
+    context.lineWidth = 0.7;
     context.beginPath();
+    let drawn = 0;
     for (const triangle of triangles) {
       const corners = triangle.map((index) => outline.project(vertices[index]));
       const [ax, ay] = corners[0];
-      this.#path(context, corners.map(([x, y]) =>
-        [near(ax, x, period?.width) + dx, near(ay, y, period?.height) + dy]));
+      const ring = corners.map(([x, y]) => [near(ax, x, period?.width) + dx, near(ay, y, period?.height) + dy]);
+      const { minX, minY, maxX, maxY } = boundsOf([ring]);
+      const [least, most] = [this.#toScreen([minX, maxY]), this.#toScreen([maxX, minY])];
+      if (most.x < 0 || most.y < 0 || least.x > width || least.y > height) continue;
+      this.#path(context, ring);
       context.closePath();
+      if (++drawn % maxInPath > 0) continue;
+      context.stroke();
+      context.beginPath();
     }
-    context.strokeStyle = colour("--accent");
-    context.lineWidth = 0.7;
     context.stroke();
     context.lineWidth = 1;
   }
