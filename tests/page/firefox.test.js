@@ -58,6 +58,15 @@ test("makes a halftone, and shows the progress of a large one", async () => {
   await show("halftone");
   assert.match(await textOf("#halftone .status"), /^20,000 dots/);
   assert.ok(await darkness("#halftone canvas") > 0.2);
+  await page.focus("#halftone canvas");
+  for (let i = 0; i < 12; ++i) await page.keyboard.press("+");
+  await page.waitForFunction(() => {  // enlarged pixels are grey, but dots have thin grey edges
+    const canvas = document.querySelector("#halftone canvas");
+    const { data } = canvas.getContext("2d").getImageData(canvas.width / 2, 0, canvas.width / 2, canvas.height);
+    let grey = 0;
+    for (let i = 0; i < data.length; i += 4) if (data[i] > 30 && data[i] < 225) ++grey;
+    return grey < data.length / 4 * 0.03;
+  });
   await page.evaluate(() => {
     const bar = document.querySelector("#halftone progress");
     window.shown = [];

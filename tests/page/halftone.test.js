@@ -327,6 +327,15 @@ test("derives the number of dots from the picture, or from a pen", async () => {
   await looksAsKept(world, world.page.locator("#halftone .controls"), "halftone-pen");
 });
 
+/** Waits until most pixels of the canvas are black or white: dots have thin grey edges, but enlarged pixels are grey. */
+const showsDots = () => world.page.waitForFunction(() => {
+  const canvas = document.querySelector("#halftone canvas");
+  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  let grey = 0;
+  for (let i = 0; i < data.length; i += 4) if (data[i] > 30 && data[i] < 225) ++grey;
+  return grey < 0.03 * canvas.width * canvas.height;
+});
+
 test("divides the picture from its dots, and zooms to single dots", async () => {
   await open();
   const frame = world.page.locator("#halftone .canvas-frame");
@@ -343,7 +352,7 @@ test("divides the picture from its dots, and zooms to single dots", async () => 
   await world.page.keyboard.press("Home");
   await world.page.focus("#halftone canvas");
   for (let i = 0; i < 12; ++i) await world.page.keyboard.press("+");
-  await settled(world.page, "halftone");
+  await showsDots();
   await looksAsKept(world, frame, "halftone-zoomed");
   await world.page.keyboard.press("0");
   await world.page.click("#halftone [aria-label='Zoom in']");

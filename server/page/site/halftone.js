@@ -18,17 +18,24 @@ const draftOptions = { quality: "draft", iterations: 1, passes: 2 };
 const draftScale = 2;  // largest scale of a draft of a reduced picture
 const thumbWidth = 32;  // CSS pixels; width of the handle of the divider
 const toneTolerance = 0.05;
+const restDelay = 150;  // ms without movement after which enlarged dots are drawn as dots
+const finePixels = 2;  // columns and rows of a drawing per pixel of the screen, whose light is averaged
 
-async function drawingOf(svg, width, height, paper = "#ffffff") {
+async function imageOf(svg) {
   const image = new Image();
   image.src = URL.createObjectURL(new Blob([svg], { type: "image/svg+xml" }));
   await image.decode();
-  const canvas = new OffscreenCanvas(width, height);
+  URL.revokeObjectURL(image.src);
+  return image;
+}
+
+/** Draws an image at a place on a canvas that is filled with `paper`. */
+function drawingOf(image, { x = 0, y = 0, width, height }, size, paper = "#ffffff") {
+  const canvas = new OffscreenCanvas(size.width, size.height);
   const context = canvas.getContext("2d", { willReadFrequently: true });
   context.fillStyle = paper;
-  context.fillRect(0, 0, width, height);
-  context.drawImage(image, 0, 0, width, height);
-  URL.revokeObjectURL(image.src);
+  context.fillRect(0, 0, size.width, size.height);
+  context.drawImage(image, x, y, width, height);
   return canvas;
 }
 
@@ -94,9 +101,12 @@ function allWarningsOf(response, isTimed) {
 
 export class Halftone extends PicturePanel {
   // Includes `scale` (output pixels per pixel of the picture), `status` and `warnings` after a request that is no
-  // draft.
+  // draft. `drawing()` then requests the dots as SVG.
   shown = { original: null, dots: null };
   #scaled = {};  // scaled dots that were drawn last
+  #fine = {};  // enlarged drawing that was drawn last
+  #rest = null;  // timer that draws it again
+  #stop = new AbortController();  // cancels its request
   #planned = null;  // estimate of the dots in each ink
 
   constructor(element) {
@@ -237,9 +247,10 @@ export class Halftone extends PicturePanel {
       if (signal.aborted) return;
       const original = await shownPart(this.picture.original, dots);
       this.keepPicture();
-      if (draft) return this.showResult({ ...this.shown, original, dots });
+      if (draft) return this.showResult({ ...this.shown, original, dots, drawing: undefined });
       this.showResult({
         original, dots, scale: original && dots.width / original.width,
+        drawing: this.plotter.isOn ? undefined : async () => (await this.#post({ ...shownOptions(options), format: "svg" }, this.#stop.signal, () => {})).text(),
         status: `${describe(options, response)}, ${dots.width} \u00d7 ${dots.height} pixels, ${seconds(start)}`,
         warnings: allWarningsOf(response, this.plotter.minutes !== undefined),
       });
@@ -253,9 +264,10 @@ export class Halftone extends PicturePanel {
     const response = await this.#post({ ...options, format: "svg" }, signal, this.showJob);
     const svg = await response.text();
     this.plotter.showDrawing(svg);
-    if (!isOfStrokes(options)) return;
-    const { width, height } = this.shown.dots;
-    this.showResult({ ...this.shown, dots: await drawingOf(svg, width, height, options.background) });
+    const drawing = () => svg;
+    if (!isOfStrokes(options)) return this.showResult({ ...this.shown, drawing });
+    const { dots } = this.shown;
+    this.showResult({ ...this.shown, drawing, dots: drawingOf(await imageOf(svg), dots, dots, options.background) });
   }
 
   showPicture() {
@@ -267,6 +279,8 @@ export class Halftone extends PicturePanel {
     const { original, dots, scale, status = "", warnings = [] } = shown;
     const { width, height } = original ?? dots;
     this.shown = shown;
+    this.#stop.abort();
+    this.#stop = new AbortController();
     this.status.textContent = status;
     this.showWarnings(warnings);
     this.viewport.unit = dots && (scale ?? dots.width / width) / devicePixelRatio;
@@ -301,6 +315,25 @@ export class Halftone extends PicturePanel {
       this.#scaled = { dots, key, pixels: scaledAsLight(dots, place, { width, height }, lightOfColour(ground)) };
     const { pixels } = this.#scaled;
     if (pixels) context.putImageData(pixels.image, pixels.x, pixels.y);
+    const fine = this.#fine;
+    if (fine.dots === dots && fine.place.width === place.width) context.putImageData(fine.image, place.x - fine.place.x, place.y - fine.place.y);
+    clearTimeout(this.#rest);
+    if (fine.dots === dots && fine.key === key) return;
+    if (this.shown.drawing && place.width > dots.width) this.#rest = setTimeout(() => this.#drawFine(place, { width, height }, ground, key), restDelay);
+  }
+
+  /** Draws enlarged dots as dots instead of pixels, once the view is at rest. Without an answer, the pixels stay. */
+  async #drawFine(place, size, ground, key) {
+    const { shown } = this;
+    if (!shown.drawing) return;
+    shown.image ??= Promise.resolve(shown.drawing()).then(imageOf);
+    const image = await shown.image.catch(() => null);
+    if (!image || this.shown !== shown || this.#scaled.key !== key) return;
+    const enlarged = (lengths) => Object.fromEntries(Object.entries(lengths).map(([name, length]) => [name, finePixels * length]));
+    const drawing = drawingOf(image, enlarged(place), enlarged(size), ground);
+    const scaled = scaledAsLight(drawing, { x: 0, y: 0, ...size }, size, lightOfColour(ground));
+    this.#fine = { dots: shown.dots, place, key, image: scaled.image };
+    this.viewport.redraw();
   }
 
   /** Draws the picture left of the divider, or all of it if there are no dots. */
