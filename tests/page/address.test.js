@@ -147,9 +147,31 @@ test("goes back and forward through panels, pictures and shapes, but not through
   await page.goForward();
   await settled(page, "halftone");
   assert.match(await snippet("halftone"), /camera\.png/);
-  await page.reload();  // keeps the settings, but not the file
+  await page.reload();
+  await settled(page, "halftone");
+  assert.deepEqual(await settings(), { picture: "own", sites: "800" });
+  assert.match(await snippet("halftone"), /camera\.png/);
+  await page.evaluate(() => new Promise((done) => { indexedDB.deleteDatabase("ccdt").onblocked = done; }));
+  await page.reload();
   await settled(page, "halftone");
   assert.deepEqual(await settings(), { sites: "800" });
+  assert.match(await page.textContent("#halftone .warnings"), /not stored in this browser/);
+});
+
+test("keeps the shape of the user when the page is loaded again", async () => {
+  await open("#sample?shape=own");
+  const { page } = world;
+  await settled(page, "sample");
+  assert.match(await page.textContent("#sample .warnings"), /not stored in this browser/);
+  await page.setInputFiles("#sample .file", path.join(data, "polygons/Italy-110m.geojson"));
+  await settled(page, "sample");
+  assert.equal(await page.textContent("#sample .warnings"), "");
+  await type("sample", "sites", "900");
+  await page.reload();
+  await settled(page, "sample");
+  assert.deepEqual(await settings(), { shape: "own", sites: "900" });
+  assert.match(await snippet("sample"), /Italy-110m\.geojson/);
+  assert.match(await page.textContent("#sample .status"), /^900 points/);
 });
 
 test("allows going back before what is shown is ready", async () => {

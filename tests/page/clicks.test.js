@@ -45,7 +45,7 @@ function actIn({ dice, text, picture }) {
   const drop = (place, name, content, type) => {
     const transfer = new DataTransfer();
     transfer.items.add(new File([content], name, { type }));
-    place.dispatchEvent(new DragEvent("drop", { dataTransfer: transfer }));
+    place.dispatchEvent(new DragEvent("drop", { dataTransfer: transfer, bubbles: true }));
     return { done: `drop ${name}` };
   };
   const controls = [...document.querySelectorAll("button, select, input, textarea, summary, canvas, .drop")]

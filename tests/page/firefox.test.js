@@ -92,7 +92,7 @@ test("drafts a large photograph from a reduced one", async () => {
     canvas.getContext("2d").fillRect(300, 200, 600, 500);
     const transfer = new DataTransfer();
     transfer.items.add(new File([await new Promise((take) => canvas.toBlob(take))], "large.png", { type: "image/png" }));
-    panel.querySelector(".drop").dispatchEvent(new DragEvent("drop", { dataTransfer: transfer }));
+    panel.querySelector(".drop").dispatchEvent(new DragEvent("drop", { dataTransfer: transfer, bubbles: true }));
     await done();
     const send = window.fetch;
     const bodies = [];

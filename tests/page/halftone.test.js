@@ -2,7 +2,7 @@
 // Panel that turns a picture into dots.
 
 import assert from "node:assert/strict";
-import { mkdtemp, readFile, rm, stat } from "node:fs/promises";
+import { mkdtemp, readFile, rm, stat, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import path from "node:path";
 import { test } from "node:test";
@@ -52,13 +52,26 @@ test("accepts a picture that is chosen, dropped or pasted", async () => {
       const content = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
       const transfer = new DataTransfer();
       transfer.items.add(new File([content], file, { type: "image/png" }));
-      if (event === "drop") document.querySelector("#halftone .drop").dispatchEvent(new DragEvent("drop", { dataTransfer: transfer }));
+      if (event === "drop") document.querySelector("h1, header").dispatchEvent(new DragEvent("drop", { dataTransfer: transfer, bubbles: true }));
       else document.dispatchEvent(new ClipboardEvent("paste", { clipboardData: transfer }));
     }, [kind, name, bytes]);
     await settled(world.page, "halftone");
     assert.match(await world.page.textContent("#halftone pre"), new RegExp(name));
     assert.match(await world.page.textContent("#halftone .status"), /, 1000 \u00d7 1000 pixels/);  // the cat is wider
   }
+});
+
+test("sends a picture that has changed on disk since it was chosen", async () => {
+  await open(few);
+  const folder = await mkdtemp(path.join(tmpdir(), "ccdt-"));
+  const file = path.join(folder, "edited.png");
+  await writeFile(file, await readFile(picture));
+  await world.page.setInputFiles("#halftone .file", file);
+  await settled(world.page, "halftone");
+  await writeFile(file, "changed");
+  await slide(slider("detail"), [0.3]);
+  await settled(world.page, "halftone");
+  await rm(folder, { recursive: true });
 });
 
 test("shows a draft while a slider is held", async () => {

@@ -215,7 +215,7 @@ test("accepts a dropped mesh", async () => {
   await page.evaluate((content) => {
     const transfer = new DataTransfer();
     transfer.items.add(new File([content], "cube.obj"));
-    document.querySelector("#sample .drop").dispatchEvent(new DragEvent("drop", { dataTransfer: transfer }));
+    document.querySelector("#sample .drop").dispatchEvent(new DragEvent("drop", { dataTransfer: transfer, bubbles: true }));
   }, cube.obj.toString());
   await settled(page, "sample");
   assert.match(await page.textContent("#sample pre"), /--data-binary '@cube.obj'/);

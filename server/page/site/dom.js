@@ -18,18 +18,31 @@ export function save(blob, name) {
   make("a", { href: saved, download: name }).click();
 }
 
-/** Passes the first file of each drop on an element to `take`. */
-export function acceptDrops(element, take) {
-  const mark = (over) => (event) => {
+/**
+ * Passes the first file of each drop, anywhere on the page, to `take`. Calls `mark` with true while a file is over the
+ * page, and then with false.
+ */
+export function acceptDrops(take, mark) {
+  const on = (kind, act) => addEventListener(kind, (event) => {
+    if (!event.dataTransfer?.types.includes("Files")) return;
     event.preventDefault();
-    element.classList.toggle("over", over);
-  };
-  element.addEventListener("dragover", mark(true));
-  element.addEventListener("dragleave", mark(false));
-  element.addEventListener("drop", (event) => {
-    mark(false)(event);
-    if (event.dataTransfer.files.length > 0) take(event.dataTransfer.files[0]);
+    act(event);
   });
+  on("dragover", () => mark(true));
+  on("dragleave", ({ relatedTarget }) => mark(relatedTarget !== null));
+  on("drop", ({ dataTransfer: { files: [file] } }) => {
+    mark(false);
+    if (file) take(file);
+  });
+}
+
+/** Copies a file to memory, because browsers do not send a file that has changed on disk. */
+export async function inMemory(file) {
+  try {
+    return new File([await file.arrayBuffer()], file.name, { type: file.type });
+  } catch {
+    throw new Error(`${file.name} cannot be read. If it has changed, choose it again`);
+  }
 }
 
 export const count = (number) => number.toLocaleString("en");

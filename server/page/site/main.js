@@ -5,6 +5,7 @@ import { readAddress, writeAddress } from "./address.js";
 import { capabilities, setKey } from "./api.js";
 import { Analyze } from "./analyze.js";
 import { Devices } from "./devices.js";
+import { acceptDrops } from "./dom.js";
 import { Halftone } from "./halftone.js";
 import { Sample } from "./sample.js";
 
@@ -59,6 +60,8 @@ document.querySelector("[role=tablist]").addEventListener("keydown", ({ key }) =
   next.click();
 });
 addEventListener("popstate", showAddress);
+const visible = () => Object.values(panels).find(({ element }) => !element.hidden);
+acceptDrops((file) => visible().take(file), (isOver) => visible().find(".drop")?.classList.toggle("over", isOver));
 
 const access = document.getElementById("access");
 document.addEventListener("keyneeded", ({ detail }) => {

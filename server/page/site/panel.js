@@ -36,6 +36,9 @@ export class Panel {
   /** Called when the panel becomes visible. Requests missing results. */
   activate() {}
 
+  /** Shows the result for a file of the user. */
+  take() {}
+
   /** Reports that settings have changed. If `isStep`, the change becomes an entry in the history of the browser. */
   note(isStep = false) {
     this.element.dispatchEvent(new CustomEvent("settings", { detail: { isStep } }));

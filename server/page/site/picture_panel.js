@@ -2,7 +2,8 @@
 // Base class of the panels that turn a picture into something else: the choice of the picture, settings and presets.
 
 import { ask } from "./api.js";
-import { acceptDrops, make } from "./dom.js";
+import { inMemory, make } from "./dom.js";
+import { keep, kept } from "./kept.js";
 import { Panel } from "./panel.js";
 
 const thumbSide = 128;  // pixels; side of a thumbnail
@@ -15,10 +16,13 @@ const samplePath = (name) => `/assets/samples/${name}`;
  * chosen, its `original` is the decoded bitmap, or null if the browser cannot decode it.
  */
 const sample = async (name) => ({ name, path: samplePath(name), blob: await (await ask("GET", samplePath(name))).blob() });
-const ownOf = (file) => ({ name: file.name, blob: file });
+const ownOf = async (file) => ({ name: file.name, blob: await inMemory(file) });
 
 /** Last picture of the user. All panels offer it. */
 let own = null;
+
+/** Returns the last picture of the user, also if it was chosen before the page was loaded, or else a sample. */
+const lastOwn = async (instead) => own ?? await kept("picture") ?? { ...await sample(instead), isInstead: true };
 
 /** Returns the middle square of a picture, or its name if the browser cannot decode it. */
 function thumbnailOf({ name, original }) {
@@ -106,7 +110,7 @@ export class PicturePanel extends Panel {
     this.#isStale = true;
     this.element.dataset.state = "busy";
     this.#restoreSettings(state);
-    if (state.picture === ownPicture && own) return this.#takeNewest(own);
+    if (state.picture === ownPicture) return this.#takeNewest(lastOwn(this.firstSample));
     const isOffered = this.thumbs.some(({ dataset }) => dataset.sample === state.picture);
     const name = isOffered ? state.picture : this.firstSample;
     if (this.picture?.path === samplePath(name)) return this.abandonLoads();
@@ -130,14 +134,17 @@ export class PicturePanel extends Panel {
     this.ownThumb.addEventListener("click", () => this.#choose(own));
     this.find(".pictures").prepend(this.ownThumb);
     this.find(".file").addEventListener("change", ({ target }) => {
-      if (target.files.length > 0) this.#choose(ownOf(target.files[0]));
+      if (target.files.length > 0) this.take(target.files[0]);
       target.value = "";
     });
-    acceptDrops(this.find(".drop"), (file) => this.#choose(ownOf(file)));
     document.addEventListener("paste", (event) => {
       const [file] = event.clipboardData.files;
-      if (file && !this.element.hidden) this.#choose(ownOf(file));
+      if (file && !this.element.hidden) this.take(file);
     });
+  }
+
+  take(file) {
+    this.#choose(ownOf(file));
   }
 
   /** Shows the result for a picture, or for the one that a promise yields. */
@@ -179,7 +186,11 @@ export class PicturePanel extends Panel {
   }
 
   #keepOwn() {
-    if (!this.picture.path) own = this.picture;
+    const { name, blob, path } = this.picture;
+    if (!path && own !== this.picture) {
+      own = this.picture;
+      keep("picture", { name, blob });
+    }
     this.#offerOwn();
   }
 
@@ -214,7 +225,8 @@ export class PicturePanel extends Panel {
   }
 
   showWarnings(warnings) {
-    this.find(".warnings").textContent = warnings.join("; ");
+    const lost = this.picture?.isInstead ? ["Your picture is not stored in this browser. Choose it again"] : [];
+    this.find(".warnings").textContent = [...lost, ...warnings].join("; ");
   }
 
   /** Whether the server cannot read the picture. Browsers show parts of some broken pictures. */

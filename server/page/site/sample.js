@@ -4,12 +4,13 @@
 import { ask, post } from "./api.js";
 import { chart } from "./chart.js";
 import { CcdtError } from "./connection.js";
-import { acceptDrops, colour, count, make, metres, save, seconds } from "./dom.js";
+import { colour, count, inMemory, make, metres, save, seconds } from "./dom.js";
 import { DotLayer } from "./dots.js";
 import { Drawing } from "./drawing.js";
 import { explain, Fields } from "./fields.js";
 import { countsOf, isGeojson, mayBeDegrees, polygonsOf } from "./geojson.js";
 import { postPatiently } from "./jobs.js";
+import { keep, kept } from "./kept.js";
 import { Panel } from "./panel.js";
 import { Plotter } from "./plotter.js";
 import { drawingFields, fields, fileFields, formats, masks, methodNamed, moreFields, maxPoints, shapeFields, surfaceFields, surfaces, volumes } from "./sample_options.js";
@@ -93,6 +94,12 @@ async function loadMap() {
   return { name: map.name, text: await (await ask("GET", path)).text(), path };
 }
 
+/** Loads the shape of the user that was stored last; undefined if there is none. */
+async function keptShape() {
+  const shape = await kept("shape");
+  return shape && { ...shape, file: { ...shape.file, number: ++filesTaken } };
+}
+
 /** Makes the sample mesh of the page. Returns the result of `documentOf` with `isSample`. */
 async function loadKnot() {
   const { sampleMesh } = await import("./surface_view.js");
@@ -136,6 +143,7 @@ export class Sample extends Panel {
   #mask = null;
   #isStale = true;
   #isBegun = false;  // false until a shape is restored or requested
+  #isLost = false;  // whether the address names a shape of the user that is not stored
   #dots = new DotLayer();
 
   constructor(element) {
@@ -221,13 +229,16 @@ export class Sample extends Panel {
     const { shape = corners || Object.keys(state).length > 0 ? "polygon" : map.name } = state;
     if (shape === map.name) return this.#takeMap();
     if (shape === knotName) return this.#takeKnot();
-    if (shape === ownShape && this.#own) {
-      this.#takeShape(this.#own, []);
+    const own = shape === ownShape ? this.#own ?? await this.loadNewest(keptShape()) : undefined;
+    if (own === null) return false;
+    if (own) {
+      this.#takeShape(own, []);
       return true;
     }
     this.shapeChoice.value = ["rectangle", "torus", "box", "space", "mask"].includes(shape) ? shape : "polygon";
     this.#shapes.polygon = readCorners(corners) ?? structuredClone(firstPolygon);
     this.#shapeChosen();
+    this.#isLost = shape === ownShape;
     return true;
   }
 
@@ -312,19 +323,18 @@ export class Sample extends Panel {
     this.mesh.addEventListener("change", () => this.refresh());
     this.tiles.addEventListener("change", () => { this.#refit(); this.note(); });
     this.find(".file").addEventListener("change", ({ target }) => {
-      if (target.files.length > 0) this.#takeFile(target.files[0]);
+      if (target.files.length > 0) this.take(target.files[0]);
       target.value = "";
     });
-    acceptDrops(this.find(".drop"), (file) => this.#takeFile(file));
   }
 
   #tellOfShape(text) {
     this.find("#shape-error").textContent = text;
   }
 
-  async #takeFile(file) {
+  async take(file) {
     try {
-      const document = await this.loadNewest(documentOf(file));
+      const document = await this.loadNewest(inMemory(file).then(documentOf));
       if (!document) return;
       this.#takeDocument(document);
       this.#chosen();
@@ -384,7 +394,10 @@ export class Sample extends Panel {
 
   #takeShape(shape, counted) {
     const { path, isSample, mesh } = shape.file;
-    if (!path && !isSample) this.#own = shape;
+    if (!path && !isSample) {
+      this.#own = shape;
+      keep("shape", shape);
+    }
     this.shapeChoice.value = mesh ? "surface" : "file";
     this.#shapes[this.shapeChoice.value] = shape;
     if (!mesh) this.#offerCounts(countsOf(shape.json), counted);
@@ -473,6 +486,7 @@ export class Sample extends Panel {
 
   #shapeChosen() {
     this.abandonLoads();
+    this.#isLost = false;
     const kind = this.shapeChoice.value;
     this.find(".polygon-tools").hidden = this.find(".corners").hidden = kind !== "polygon";
     this.tiles.disabled = kind !== "torus";
@@ -781,7 +795,8 @@ export class Sample extends Panel {
     this.find(".legend").replaceChildren(...classes.map(({ name, color, sites }) =>
       make("li", { textContent: `${name}: ${count(sites)}`, style: `--class: ${color}` })));
     const tell = ({ detail, face }) => (face === undefined ? detail : `${detail} (triangle ${count(face)})`);
-    this.find(".warnings").textContent = warnings.map(tell).join("; ");
+    const lost = this.#isLost ? ["Your shape is not stored in this browser. Choose it again"] : [];
+    this.find(".warnings").textContent = [...lost, ...warnings.map(tell)].join("; ");
     const place = this.find(".repairs");
     place.hidden = repaired.length === 0;
     place.querySelector("summary").textContent = this.isMesh ? "Repaired" : `Repaired in ${count(repaired.length)} ${repaired.length === 1 ? "place" : "places"}`;
