@@ -2,9 +2,10 @@
 // Errors of the server are shown beside the fields at fault.
 
 import assert from "node:assert/strict";
+import path from "node:path";
 import { test } from "node:test";
 
-import { settled, useBrowser } from "./harness.js";
+import { data, settled, useBrowser } from "./harness.js";
 
 const world = useBrowser({ flags: ["--max-sites=50000"] });
 
@@ -34,8 +35,7 @@ test("shows the error of a file that is not a picture", async () => {
   await settled(page, "halftone");
   await page.setInputFiles("#halftone .file", { name: "letter.txt", mimeType: "text/plain", buffer: Buffer.from("Dear reader") });
   await settled(page, "halftone", "failed");
-  for (const place of [".picture-error", ".general"])
-    assert.match(await page.textContent(`#halftone ${place}`), /^This file is not an image the server can read: this is text; the supported formats are PNG/);
+  assert.equal(await page.textContent("#halftone .general"), "This file is not an image the server can read: this is text");
   assert.match(await page.textContent("#halftone .status"), /^20,000 dots/);
   assert.match(await page.textContent("#halftone pre"), /astronaut\.jpg/);
   assert.equal(await page.evaluate(() => location.hash), "#halftone");
@@ -55,5 +55,24 @@ test("shows the errors of a shape and a file without area", async () => {
   assert.match(await page.textContent("#shape-error"), /must be JSON/);
   await page.setInputFiles("#sample .file", { name: "empty.json", mimeType: "application/json", buffer: Buffer.from("{}") });
   await settled(page, "sample", "failed");
-  assert.match(await page.textContent("#shape-error"), /^empty\.json contains no GeoJSON polygons$/);
+  assert.match(await page.textContent("#sample .general"), /^empty\.json contains no GeoJSON polygons$/);
+});
+
+test("offers to open a file in the panel that it is for", async () => {
+  const { page } = world;
+  for (const [panel, file, target, shown] of [["halftone", "polygons/Italy-110m.geojson", "sample", /^1,000 points/], ["devices", "meshes/spot.obj", "sample", /^1,000 points/], ["sample", "images/camera.png", "halftone", /^20,000 dots/]]) {
+    await page.goto("about:blank");
+    await page.goto(`${world.url}/#${panel}`);
+    await settled(page, panel);
+    const status = await page.textContent(`#${panel} .status`);
+    await page.setInputFiles(`#${panel} .file`, path.join(data, file));
+    await settled(page, panel, "failed");
+    assert.match(await page.textContent(`#${panel} .general`), /^[\w.-]+ is a (shape|picture)\. Open it in (Sample|Halftone)$/);
+    assert.equal(await page.textContent(`#${panel} .status`), status);
+    await page.click(`#${panel} .general button`);
+    await settled(page, target);
+    assert.match(await page.textContent(`#${target} .status`), shown);
+    assert.match(await page.textContent(`#${target} pre`), new RegExp(path.basename(file)));
+    assert.match(await page.evaluate(() => location.hash), new RegExp(`^#${target}.*own`));
+  }
 });

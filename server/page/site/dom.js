@@ -40,8 +40,8 @@ export function acceptDrops(take, mark) {
 export async function inMemory(file) {
   try {
     return new File([await file.arrayBuffer()], file.name, { type: file.type });
-  } catch {
-    throw new Error(`${file.name} cannot be read. If it has changed, choose it again`);
+  } catch (cause) {
+    throw new Error(`${file.name} cannot be read. If it has changed, choose it again`, { cause });
   }
 }
 

@@ -51,6 +51,10 @@ for (const tab of tabs) {
   panel.element.addEventListener("settings", ({ detail }) => {
     if (!panel.element.hidden) writeAddress(nameOf(tab), panel.state(), detail.isStep);
   });
+  panel.element.addEventListener("elsewhere", ({ detail: { file, panel: name } }) => {
+    select(tabs.find((one) => nameOf(one) === name));
+    panels[name].take(file);
+  });
 }
 document.querySelector("[role=tablist]").addEventListener("keydown", ({ key }) => {
   const steps = { ArrowRight: 1, ArrowLeft: -1 };

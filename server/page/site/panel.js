@@ -3,6 +3,7 @@
 
 import { hasKey, Newest } from "./api.js";
 import { make, save } from "./dom.js";
+import { isPicture } from "./file_kind.js";
 
 export class Panel {
   #loads = 0;
@@ -36,8 +37,25 @@ export class Panel {
   /** Called when the panel becomes visible. Requests missing results. */
   activate() {}
 
-  /** Shows the result for a file of the user. */
-  take() {}
+  /** Shows the result for a file of the user, here or in the panel that the file is for. */
+  take(file) {
+    this.#open(file, isPicture(file) ? "halftone" : "sample");
+  }
+
+  #open(file, panel) {
+    this.element.dispatchEvent(new CustomEvent("elsewhere", { detail: { file, panel } }));
+  }
+
+  /** Offers to open a file that is for another panel there. Keeps the last result. */
+  offerElsewhere(file, kind, panel) {
+    this.showProblem({ message: `${file.name} is a ${kind}. ` });
+    const button = make("button", { type: "button", textContent: `Open it in ${panel.title}` });
+    button.addEventListener("click", () => {
+      this.show(null);
+      this.#open(file, panel.name);
+    });
+    this.error.append(button);
+  }
 
   /** Reports that settings have changed. If `isStep`, the change becomes an entry in the history of the browser. */
   note(isStep = false) {

@@ -3,6 +3,7 @@
 
 import { ask } from "./api.js";
 import { inMemory, make } from "./dom.js";
+import { isShape } from "./file_kind.js";
 import { keep, kept } from "./kept.js";
 import { Panel } from "./panel.js";
 
@@ -144,6 +145,7 @@ export class PicturePanel extends Panel {
   }
 
   take(file) {
+    if (isShape(file)) return this.offerElsewhere(file, "shape", { name: "sample", title: "Sample" });
     this.#choose(ownOf(file));
   }
 
@@ -237,9 +239,9 @@ export class PicturePanel extends Panel {
   show(problem) {
     const isUnreadable = problem && this.#isUnreadable(problem);
     if (isUnreadable) {
-      const rest = problem.message.replace(/^this is not an image the server can read/, "");
-      problem.message = `This file is not an image the server can read${rest === problem.message ? ": " : ""}${rest}`;
-      problem.errors = [{ pointer: "image", detail: problem.message }];
+      const text = problem.message.replace(/; (the supported formats|accepted) are .*$/, "");
+      const rest = text.replace(/^this is not an image the server can read/, "");
+      problem.message = `This file is not an image the server can read${rest === text ? ": " : ""}${rest}`;
     }
     super.show(problem);
     if (isUnreadable && this.#before?.shown.status) this.#goBack();
@@ -258,7 +260,5 @@ export class PicturePanel extends Panel {
 
   place(errors) {
     for (const part of this.parts) part.show(errors);
-    const aboutPicture = errors.filter(({ pointer }) => pointer === "image");
-    this.find(".picture-error").textContent = aboutPicture.map(({ detail }) => detail).join("; ");
   }
 }

@@ -8,6 +8,7 @@ import { colour, count, inMemory, make, metres, save, seconds } from "./dom.js";
 import { DotLayer } from "./dots.js";
 import { Drawing } from "./drawing.js";
 import { explain, Fields } from "./fields.js";
+import { isPicture } from "./file_kind.js";
 import { countsOf, isGeojson, mayBeDegrees, polygonsOf } from "./geojson.js";
 import { postPatiently } from "./jobs.js";
 import { keep, kept } from "./kept.js";
@@ -333,14 +334,16 @@ export class Sample extends Panel {
   }
 
   async take(file) {
+    if (isPicture(file)) return this.offerElsewhere(file, "picture", { name: "halftone", title: "Halftone" });
     try {
       const document = await this.loadNewest(inMemory(file).then(documentOf));
       if (!document) return;
       this.#takeDocument(document);
       this.#chosen();
     } catch (error) {
-      this.element.dataset.state = "failed";
-      this.#tellOfShape(error instanceof CcdtError ? `${file.name} cannot be read as a shapefile: ${error.message}` : `${file.name} contains no GeoJSON polygons`);
+      const { message, cause } = error;
+      if (error instanceof CcdtError) this.showProblem({ message: `${file.name} cannot be read as a shapefile: ${message}` });
+      else this.showProblem(cause ? error : { message: `${file.name} contains no GeoJSON polygons` });
     }
   }
 
@@ -438,6 +441,7 @@ export class Sample extends Panel {
 
   #chosen() {
     if (this.isMesh && !this.shape) return this.#chooseSample(this.#takeKnot());
+    this.#isBegun = true;
     this.#shapeChosen();
     this.note(true);
     this.refresh();
@@ -825,14 +829,15 @@ export class Sample extends Panel {
   }
 
   /**
-   * Shows errors beside the shape or the fields. If the body of the request is a file, pointers with a leading slash
-   * refer to the file, other pointers to options. If the file is a mesh, pointers that name no option refer to it.
+   * Shows errors beside the shape or the fields, except errors of files, which are shown on the canvas. If the body of
+   * the request is a file, pointers with a leading slash refer to the file, other pointers to options. If the file is a
+   * mesh, pointers that name no option refer to it.
    */
   place(errors) {
     const isBody = this.shape !== null && isDocument(this.shape, this.options());
     const isOption = (pointer) => surfaces.options.includes(pointer.replace(/^\//, "").split("/")[0]);
     const isAboutShape = ({ pointer }) => (this.isMesh ? !isOption(pointer) : isBody ? pointer === "" || pointer.startsWith("/") : /^\/?(polygon|holes|geometry|domain)/.test(pointer));
-    this.#tellOfShape(errors.filter(isAboutShape).map(({ detail }) => detail).join("; "));
+    this.#tellOfShape(this.shape?.file ? "" : errors.filter(isAboutShape).map(({ detail }) => detail).join("; "));
     const others = errors.filter((error) => !isAboutShape(error));
     for (const part of [this.fields, this.shapeFields, this.surfaceFields, this.countFields, this.moreFields, this.fileFields, this.drawingFields, this.plotter]) part?.show(others);
   }
