@@ -3,7 +3,6 @@
 
 import { readAddress, writeAddress } from "./address.js";
 import { capabilities, setKey } from "./api.js";
-import { Analyze } from "./analyze.js";
 import { Devices } from "./devices.js";
 import { acceptDrops } from "./dom.js";
 import { Halftone } from "./halftone.js";
@@ -15,21 +14,29 @@ const nameOf = (tab) => tab.getAttribute("aria-controls");
 const halftone = new Halftone(document.getElementById("halftone"));
 const devices = new Devices(document.getElementById("devices"));
 const sample = new Sample(document.getElementById("sample"));
-const analyze = new Analyze(document.getElementById("analyze"), { halftone, sample });
-const panels = { halftone, devices, sample, analyze };
+const panels = { halftone, devices, sample };
+
+/** Returns a panel. The panel that analyzes points is loaded when it is first needed. */
+async function panelNamed(name) {
+  if (!panels[name]) {
+    const { Analyze } = await import("./analyze.js");
+    panels[name] ??= new Analyze(document.getElementById(name), { halftone, sample });
+  }
+  return panels[name];
+}
 
 function select(tab) {
   for (const other of tabs) {
     other.setAttribute("aria-selected", String(other === tab));
     other.tabIndex = other === tab ? 0 : -1;
-    panels[nameOf(other)].element.hidden = other !== tab;
+    document.getElementById(nameOf(other)).hidden = other !== tab;
   }
 }
 
 async function show() {
   const { panel: name, settings } = readAddress();
   const tab = tabs.find((one) => nameOf(one) === name) ?? tabs[0];
-  const panel = panels[nameOf(tab)];
+  const panel = await panelNamed(nameOf(tab));
   select(tab);
   await panel.restore(settings);
   panel.activate();
@@ -42,16 +49,18 @@ function showAddress() {
 }
 
 for (const tab of tabs) {
-  const panel = panels[nameOf(tab)];
-  tab.addEventListener("click", () => {
+  const element = document.getElementById(nameOf(tab));
+  tab.addEventListener("click", async () => {
     select(tab);
+    const panel = await panelNamed(nameOf(tab));
+    if (element.hidden) return;
     writeAddress(nameOf(tab), panel.state(), true);
     panel.activate();
   });
-  panel.element.addEventListener("settings", ({ detail }) => {
-    if (!panel.element.hidden) writeAddress(nameOf(tab), panel.state(), detail.isStep);
+  element.addEventListener("settings", ({ detail }) => {
+    if (!element.hidden) writeAddress(nameOf(tab), panels[nameOf(tab)].state(), detail.isStep);
   });
-  panel.element.addEventListener("elsewhere", ({ detail: { file, panel: name } }) => {
+  element.addEventListener("elsewhere", ({ detail: { file, panel: name } }) => {
     select(tabs.find((one) => nameOf(one) === name));
     panels[name].take(file);
   });
@@ -65,7 +74,7 @@ document.querySelector("[role=tablist]").addEventListener("keydown", ({ key }) =
 });
 addEventListener("popstate", showAddress);
 const visible = () => Object.values(panels).find(({ element }) => !element.hidden);
-acceptDrops((file) => visible().take(file), (isOver) => visible().find(".drop")?.classList.toggle("over", isOver));
+acceptDrops((file) => visible()?.take(file), (isOver) => visible()?.find(".drop")?.classList.toggle("over", isOver));
 
 const access = document.getElementById("access");
 document.addEventListener("keyneeded", ({ detail }) => {
