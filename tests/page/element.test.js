@@ -234,6 +234,19 @@ test("removes outdated dots, and shows an unreadable picture unchanged", async (
   assert.equal(shown, `${origin.url}/nothing.png`);
 });
 
+test("loads a missing picture only once, whatever the width", async () => {
+  await world.page.goto(origin.url);
+  const fetched = [];
+  world.page.on("request", (request) => { if (request.url().endsWith("/nothing.png") && request.resourceType() === "fetch") fetched.push(request); });
+  const { type } = await show({ src: "/nothing.png", sites: "500", alt: "A cat" });
+  assert.equal(type, "error");
+  await world.page.evaluate(async () => {
+    document.querySelector("#dots").style.width = "222px";
+    await new Promise((resume) => setTimeout(resume, 600));  // more than the delay of the element after a change of size
+  });
+  assert.equal(fetched.length, 1);
+});
+
 test("is accessible: dots, its own drawing, and a picture that it cannot decode", async () => {
   for (const { colorScheme, size, viewport, tags } of appearances) {
     await world.page.emulateMedia({ colorScheme });

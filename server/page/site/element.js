@@ -154,6 +154,7 @@ export class HalftoneElement extends Base {
   #observer = new ResizeObserver(() => this.#resized());
   #timer = null;
   #loaded = {};  // {source, picture}: the last loaded picture
+  #isMissing = false;  // whether the picture could not be loaded; another width then makes no difference
   #pixels = 0;  // width of the last request, in device pixels
   #run = null;
   #requested = null;  // source, server and options of the shown or requested dots
@@ -217,7 +218,7 @@ export class HalftoneElement extends Base {
 
   /** Requests dots for a new size when the size has not changed for `resizeDelay`. */
   #resized() {
-    if (!this.#requested || this.hasAttribute("scale") || [0, this.#pixels].includes(this.#pixelsNow)) return;
+    if (!this.#requested || this.#isMissing || this.hasAttribute("scale") || [0, this.#pixels].includes(this.#pixelsNow)) return;
     this.#fit.replaceSync("");
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => {
@@ -257,7 +258,9 @@ export class HalftoneElement extends Base {
     const { signal } = run;
     this.#run = run;
     try {
-      if (this.#loaded.source !== source) this.#loaded = { source, picture: await pictureAt(new URL(source, document.baseURI), signal) };
+      this.#isMissing = this.#loaded.source !== source;
+      if (this.#isMissing) this.#loaded = { source, picture: await pictureAt(new URL(source, document.baseURI), signal) };
+      this.#isMissing = false;
       const { picture } = this.#loaded;
       await this.#draw(picture, source, options, signal);
       const query = this.#sized(options);
