@@ -187,7 +187,9 @@ SiteMasses::View SiteMasses::view(const SurfaceTriangulation& mesh, const Surfac
         view.squared_distance = std::min(view.squared_distance, dot(positions[k], positions[k]));
         if (!mesh.has_sharp_edges() || !mesh.is_site(corners[k])) continue;
         if (!is_sharp(face_normal, mesh.face_normal(corners[k]))) continue;
-        positions[k] = mesh.unfolded_toward(at, positions[k], corners[k]).value_or(positions[k]);
+        const auto flat = mesh.unfolded_toward(at, positions[k], corners[k]);
+        if (!flat) continue;
+        positions[k] = *flat;
         ++beyond;
     }
     const auto& [a, b, c] = positions;

@@ -276,31 +276,33 @@ Point3 Surface::from_input(Point3 p) const {
 }
 
 SurfacePoint Surface::trace(const SurfacePoint& from, Point3 move) const {
-    return follow(from, move, kMaxSteps).first;
+    return follow(from, move, kMaxSteps).first.end;
 }
 
-std::optional<SurfacePoint> Surface::trace_within(const SurfacePoint& from, Point3 move, int most) const {
-    const auto [to, is_whole] = follow(from, move, most);
+std::optional<Surface::Line> Surface::trace_within(const SurfacePoint& from, Point3 move, int most) const {
+    const auto [line, is_whole] = follow(from, move, most);
     if (!is_whole) return std::nullopt;
-    return to;
+    return line;
 }
 
-/// Follows a line over at most `most` edges. Returns its end, and whether the line was followed to its end, border or
-/// crease.
-std::pair<SurfacePoint, bool> Surface::follow(const SurfacePoint& from, Point3 move, int most) const {
-    if (const auto to = moved_in_face(from, move)) return {*to, true};
+/// Follows a line over at most `most` edges. Returns it, and whether it was followed to its end, border or crease.
+std::pair<Surface::Line, bool> Surface::follow(const SurfacePoint& from, Point3 move, int most) const {
+    if (const auto to = moved_in_face(from, move)) return {{*to}, true};
     const double size = largest(move);
-    if (!(size > 0) || !is_finite(move)) return {from, true};
+    if (!(size > 0) || !is_finite(move)) return {{from}, true};
     const Point3 direction = 1 / size * move;
     Walk walk{.face = from.face, .left = size * length(direction), .entry = from.weights};
-    if (!begin_walk(walk, direction)) return {from, true};
+    if (!begin_walk(walk, direction)) return {{from}, true};
+    double least_cosine = 1;
     for (int step = 0; walk.left > walk.distance; ++step) {
         const bool ends = is_crease(4 * walk.face + walk.exit);
-        if (ends || step == most) return {{walk.face, inset(walk.exit_weights(), kInset)}, ends};
+        if (ends || step == most) return {{{walk.face, inset(walk.exit_weights(), kInset)}, least_cosine}, ends};
         walk.left -= walk.distance;
+        const Point3 before = faces_[walk.face].normal;
         cross_edge(walk);
+        least_cosine = std::min(least_cosine, dot(before, faces_[walk.face].normal));
     }
-    return {{walk.face, mixed(walk.entry, walk.exit_weights(), walk.left / walk.distance)}, true};
+    return {{{walk.face, mixed(walk.entry, walk.exit_weights(), walk.left / walk.distance)}, least_cosine}, true};
 }
 
 /// Follows a line that ends in its first face, as most short ones do. Returns none if the line leaves the face, or if

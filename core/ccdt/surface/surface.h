@@ -121,8 +121,14 @@ public:
     ///
     /// O(faces crossed), at most kMaxSteps.
     SurfacePoint trace(const SurfacePoint& from, Point3 move) const;
-    /// Returns the same point if the line crosses at most `most` edges; otherwise none.
-    std::optional<SurfacePoint> trace_within(const SurfacePoint& from, Point3 move, int most) const;
+    /// A line on the surface: the point that trace() returns, and the least cosine between the normals of two
+    /// successive faces; 1 if the line crosses no edge.
+    struct Line {
+        SurfacePoint end;
+        double least_cosine = 1;
+    };
+    /// Returns the line that trace() follows if it crosses at most `most` edges; otherwise none.
+    std::optional<Line> trace_within(const SurfacePoint& from, Point3 move, int most) const;
 
     /// Returns the point of the surface that is nearest to p, in the unit frame. Faces without area do not count.
     /// @param p  may be infinite, but not NaN
@@ -158,7 +164,7 @@ private:
         return faces_[face].links.flat ? 0 : 2 * faces_[face].area / base;
     }
     std::optional<SurfacePoint> moved_in_face(const SurfacePoint& from, Point3 move) const;
-    std::pair<SurfacePoint, bool> follow(const SurfacePoint& from, Point3 move, int most) const;
+    std::pair<Line, bool> follow(const SurfacePoint& from, Point3 move, int most) const;
     bool begin_walk(Walk& walk, Point3 direction) const;
     void cross_edge(Walk& walk) const;
     void measure_faces();

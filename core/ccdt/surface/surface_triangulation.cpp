@@ -336,14 +336,15 @@ std::size_t SurfaceTriangulation::legalise(std::size_t most, const std::stop_tok
     return flips;
 }
 
-/// Squared length of an edge on the surface; infinite if the unfolded edge is unknown.
+/// Squared length of an edge on the surface; that of the straight edge if the unfolded one is unknown.
 double SurfaceTriangulation::squared_length(std::uint32_t a, std::uint32_t b) const {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const auto [from, to] = std::minmax(a, b);
     const Point3 straight = positions_[to] - positions_[from];
     if (!is_sharp_between(from, to)) return dot(straight, straight);
     const auto flat = unfolded(*surface_, points_[from], straight, points_[to].face, kInfinity);
-    return flat ? dot(*flat, *flat) : kInfinity;
+    const Point3 vector = flat ? flat->vector : straight;
+    return dot(vector, vector);
 }
 
 /// Whether the angles opposite to an edge add up to more than 180 degrees. Beside sharp edges, where the angles in
@@ -356,10 +357,8 @@ bool SurfaceTriangulation::wants_flip(std::uint32_t edge) const {
     if (!reaches_.empty()) {
         const std::array<std::pair<std::uint32_t, std::uint32_t>, 6> pairs{
             {{a, b}, {c, d}, {a, c}, {b, d}, {b, c}, {a, d}}};
-        if (std::ranges::any_of(pairs, [&](const auto& pair) { return is_sharp_between(pair.first, pair.second); })) {
-            const double now = squared_length(a, b), after = squared_length(c, d);
-            if (std::isfinite(std::min(now, after))) return after < (1 - kTolerance) * now;
-        }
+        if (std::ranges::any_of(pairs, [&](const auto& pair) { return is_sharp_between(pair.first, pair.second); }))
+            return squared_length(c, d) < (1 - kTolerance) * squared_length(a, b);
     }
     const Point3 ca = positions_[a] - positions_[c], cb = positions_[b] - positions_[c];
     const Point3 da = positions_[a] - positions_[d], db = positions_[b] - positions_[d];

@@ -88,9 +88,12 @@ public:
         return !reaches_.empty() && is_site(a) && is_site(b) && is_sharp(face_normals_[a], face_normals_[b]);
     }
     /// Returns the vector from a point to a site beyond a sharp edge, unfolded into the plane of the point. Returns
-    /// none if the surface does not follow it, or if it is much longer than the spacing of sites.
+    /// none if the surface does not follow it, if there is a bend instead of a sharp edge, or if the vector is much
+    /// longer than the spacing of sites.
     std::optional<Point3> unfolded_toward(const SurfacePoint& from, Point3 straight, std::uint32_t to) const {
-        return unfolded(*surface_, from, straight, points_[to].face, reaches_[to]);
+        const auto flat = unfolded(*surface_, from, straight, points_[to].face, reaches_[to]);
+        if (!flat || !flat->crosses_sharp_edge) return std::nullopt;
+        return flat->vector;
     }
     const SurfacePoint& on_surface(std::uint32_t vertex) const { return points_[vertex]; }
 

@@ -11,8 +11,8 @@ bool has_sharp_edges(const Surface& surface) {
     return false;
 }
 
-std::optional<Point3> unfolded(const Surface& surface, const SurfacePoint& from, Point3 straight, std::uint32_t face,
-                               double longest) {
+std::optional<Unfolded> unfolded(const Surface& surface, const SurfacePoint& from, Point3 straight, std::uint32_t face,
+                                 double longest) {
     constexpr double kMinSquaredSine = 1e-12;  // thinner wedges consist of rounding errors
     constexpr int kMaxEdges = 16;              // limits the time where faces are much smaller than the spacing
     constexpr double kMaxOffset = 0.2;         // of the end of the line, relative to its length
@@ -22,14 +22,14 @@ std::optional<Point3> unfolded(const Surface& surface, const SurfacePoint& from,
     // concave.
     const double before = dot(straight, second), after = -dot(straight, first);
     if (squared_sine < kMinSquaredSine || before * after < 0) return std::nullopt;
-    const Point3 line = cross(first, second);
-    const Point3 flat = 1 / squared_sine * (dot(straight, line) * line + (before + after) * (second - cosine * first));
+    const Point3 axis = cross(first, second);
+    const Point3 flat = 1 / squared_sine * (dot(straight, axis) * axis + (before + after) * (second - cosine * first));
     if (dot(flat, flat) > longest * longest) return std::nullopt;
-    const auto end = surface.trace_within(from, flat, kMaxEdges);
-    if (!end) return flat;
-    const Point3 off = surface.position(*end) - surface.position(from) - straight;
+    const auto line = surface.trace_within(from, flat, kMaxEdges);
+    if (!line) return Unfolded{flat, true};
+    const Point3 off = surface.position(line->end) - surface.position(from) - straight;
     if (dot(off, off) > kMaxOffset * kMaxOffset * dot(flat, flat)) return std::nullopt;
-    return flat;
+    return Unfolded{flat, line->least_cosine < kSharpCosine};
 }
 
 }  // namespace ccdt

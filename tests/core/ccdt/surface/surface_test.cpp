@@ -11,6 +11,7 @@
 #include <stop_token>
 
 #include "core/base/random.h"
+#include "core/ccdt/surface/unfolding.h"
 #include "tests/support/surfaces.h"
 
 namespace ccdt {
@@ -561,6 +562,40 @@ TEST(Surface, MakesSurfacesOfAnyTriangles) {
         }
     }
     EXPECT_GT(usable, 1000);
+}
+
+/// Returns a strip that turns down by 100 degrees: at an edge, or at two edges with a chamfer of the given width
+/// between them.
+TriangleSoup bent_strip(double chamfer) {
+    const auto direction = [](double degrees) {
+        return Point3{std::cos(degrees * kPi / 180), 0, -std::sin(degrees * kPi / 180)};
+    };
+    std::vector<Point3> profile{{-1, 0, 0}, {0, 0, 0}};
+    if (chamfer > 0) profile.push_back(profile.back() + chamfer * direction(50));
+    profile.push_back(profile.back() + direction(100));
+    TriangleSoup soup;
+    for (const Point3& p : profile)
+        soup.vertices.insert(soup.vertices.end(), {p - Point3{0, 1, 0}, p + Point3{0, 1, 0}});
+    for (std::uint32_t v = 0; v + 2 < soup.vertices.size(); v += 2)
+        soup.triangles.insert(soup.triangles.end(), {{v, v + 2, v + 1}, {v + 1, v + 2, v + 3}});
+    return soup;
+}
+
+TEST(Unfolded, TellsSharpEdgesFromBends) {
+    for (const double chamfer : {0.0, 0.02}) {
+        SCOPED_TRACE(chamfer);
+        const TriangleSoup soup = bent_strip(chamfer);
+        const Surface surface = made(soup).surface;
+        const SurfacePoint from = surface.nearest(surface.from_input({-0.5, 0.1, 0}));
+        const Point3 end = 0.25 * (soup.vertices.end()[-1] + soup.vertices.end()[-2] + soup.vertices.end()[-3] +
+                                   soup.vertices.end()[-4]);
+        const SurfacePoint to = surface.nearest(surface.from_input(end));
+        ASSERT_TRUE(is_sharp(surface.normal(from.face), surface.normal(to.face)));
+        const auto flat = unfolded(surface, from, surface.position(to) - surface.position(from), to.face, 10);
+        ASSERT_TRUE(flat);
+        EXPECT_EQ(flat->crosses_sharp_edge, chamfer == 0);
+        EXPECT_NEAR(surface.scale() * length(flat->vector), std::hypot(1, 0.1), 2 * chamfer + 1e-9);
+    }
 }
 
 }  // namespace
