@@ -137,7 +137,7 @@ bool is_text_stl(std::string_view bytes) {
 bool is_binary_stl(std::string_view bytes) {
     if (bytes.size() < kHead) return false;
     const std::size_t facets = (bytes.size() - kHead) / kFacet;
-    if (facets > 0 && facets_of(bytes) == facets) return true;
+    if ((facets > 0 || bytes.size() == kHead) && facets_of(bytes) == facets) return true;
     return bytes.substr(0, kHead).find('\0') != std::string_view::npos && is_text_stl(bytes);
 }
 

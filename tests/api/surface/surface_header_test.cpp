@@ -180,6 +180,7 @@ TEST(SurfaceHeader, RefusesFacesWithoutCorners) {
 TEST(SurfaceHeader, RefusesFilesWithoutTriangles) {
     for (const char* file : {"solid a\nendsolid a\n", "v 0 0 0\np 1\nl 1 1\n", "OFF 0 0 0\n"})
         expect_refused(file, "it has no triangles or polygons");
+    expect_refused(binary_stl({}), "it has no triangles or polygons");
     expect_refused(ply_with("element face 1\nproperty list int int vertex_indices\n", "2 0 0\n"),
                    "it has no triangles or polygons");
     expect_refused(square_gltf("[{}]"), "its scene has no meshes");
