@@ -20,6 +20,21 @@ def path_of(file):
 FILES = {path_of(file): file.read_bytes() for file in SITE.rglob("*") if file.is_file()}
 
 
+def loaded_first():
+    """Returns the files that a browser loads with the page, before any file that a script imports later."""
+    loaded, waiting = set(), ["/"]
+    while waiting:
+        path = waiting.pop()
+        if path in loaded:
+            continue
+        loaded.add(path)
+        names = re.findall(rb'<(?:script|link)[^>]* (?:src|href)="([^"]+)"', FILES[path]) if path == "/" else []
+        if path.endswith(".js"):
+            names = [b"/assets/" + name for name in re.findall(rb' from "\./([^"]+)"', FILES[path])]
+        waiting += [name.decode() for name in names]
+    return loaded
+
+
 class Page(ServerCase):
     flags = ("--cors-origin=https://a.example",)
 
@@ -50,12 +65,14 @@ class Page(ServerCase):
         own = {path: content for path, content in FILES.items() if not path.startswith("/assets/samples/")}
         packed = {path: len(gzip.compress(content)) for path, content in own.items()}
         # Other pages load the element and the module that it imports.
-        self.assertLess(packed.pop("/assets/element.js") + packed["/assets/connection.js"], 9_000)
+        self.assertLess(packed["/assets/element.js"] + packed["/assets/connection.js"], 9_000)
         # The page loads these modules only when it draws a surface, points in space or a mask.
         for name in ("surface_", "volume_", "mask."):
-            lazy = [packed.pop(path) for path in sorted(packed) if path.startswith("/assets/" + name)]
-            self.assertLess(sum(lazy), 8_500)
-        self.assertLess(sum(packed.values()), 80_000)
+            self.assertLess(sum(size for path, size in packed.items() if path.startswith("/assets/" + name)), 8_500)
+        first = loaded_first()
+        self.assertIn("/assets/sample.js", first)
+        self.assertNotIn("/assets/analyze.js", first)
+        self.assertLess(sum(packed[path] for path in first), 80_000)
         for path, content in own.items():
             self.assertLess(len(content), 60_000, path)
         for path in FILES.keys() - own.keys():  # pictures cannot be compressed further, maps are sent compressed
