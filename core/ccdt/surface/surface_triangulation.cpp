@@ -148,8 +148,9 @@ SurfaceTriangulation::SurfaceTriangulation(const Surface& surface, std::vector<S
       points_(std::move(sites)) {
     // In spacings. Longer lines around the end of a needle are not the shortest ones.
     constexpr double kReach = 3;
-    if (ccdt::has_sharp_edges(surface)) {
-        for (const SurfacePoint& site : points_) reaches_.push_back(kReach * spacing(site));
+    sharp_ = sharp_components(surface);
+    if (std::ranges::count(sharp_, 1) > 0) {
+        for (const SurfacePoint& site : points_) reaches_.push_back(is_on_sharp(site) ? kReach * spacing(site) : 0);
     }
     copy_faces();
     insert_sites(split_creases(creases), stop);
@@ -400,8 +401,9 @@ void SurfaceTriangulation::remove_corners(const CreaseVertices& creases, const s
     std::ranges::stable_sort(left, {}, [](std::uint32_t v) { return std::countr_zero(v); });
     for (std::uint32_t& v : left) v += static_cast<std::uint32_t>(sites_);
     for (const double each : kAgreements) {
-        const double agreement = has_sharp_edges() ? 0 : each;
-        std::erase_if(left, [&](std::uint32_t v) { return stop.stop_requested() || remove(v, agreement); });
+        std::erase_if(left, [&](std::uint32_t v) {
+            return stop.stop_requested() || remove(v, is_on_sharp(points_[v]) ? 0 : each);
+        });
     }
 }
 

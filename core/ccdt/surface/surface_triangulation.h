@@ -85,7 +85,8 @@ public:
     }
     /// Whether there is a sharp edge between two sites.
     bool is_sharp_between(std::uint32_t a, std::uint32_t b) const {
-        return !reaches_.empty() && is_site(a) && is_site(b) && is_sharp(face_normals_[a], face_normals_[b]);
+        return !reaches_.empty() && is_site(a) && is_site(b) && reaches_[a] > 0 &&
+               is_sharp(face_normals_[a], face_normals_[b]);
     }
     /// Returns the vector from a point to a site beyond a sharp edge, unfolded into the plane of the point. Returns
     /// none if the surface does not follow it, if there is a bend instead of a sharp edge, or if the vector is much
@@ -138,6 +139,10 @@ public:
     bool relocate(std::uint32_t site, std::span<const std::uint32_t> triangles);
 
 private:
+    /// Whether a point is on a component with sharp edges.
+    bool is_on_sharp(const SurfacePoint& point) const {
+        return !sharp_.empty() && sharp_[surface_->component(point.face)] != 0;
+    }
     std::optional<SurfacePoint> middle(std::uint32_t triangle) const;
     void copy_faces();
     std::uint32_t split(const CreaseVertices::OnEdge& at, std::uint32_t edge);
@@ -164,7 +169,9 @@ private:
     std::vector<Point3> positions_;     ///< [vertices]
     std::vector<Point3> normals_;       ///< [vertices] smooth normals of the surface
     std::vector<Point3> face_normals_;  ///< [vertices] normals of the faces under the vertices
-    std::vector<double> reaches_;       ///< [sites] longest unfolded vectors; empty if no edge of the surface is sharp
+    std::vector<std::uint8_t> sharp_;   ///< [components] whether a component has sharp edges; empty without sites
+    /// [sites] longest unfolded vectors; 0 on components without sharp edges; empty if no edge of the surface is sharp
+    std::vector<double> reaches_;
     std::vector<std::uint8_t> moved_;   ///< [vertices] whether triangles at it may be new since restore_delaunay()
     std::vector<std::uint32_t> stack_;  ///< edges that may not be Delaunay
 };

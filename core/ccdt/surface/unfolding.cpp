@@ -3,12 +3,13 @@
 
 namespace ccdt {
 
-bool has_sharp_edges(const Surface& surface) {
+std::vector<std::uint8_t> sharp_components(const Surface& surface) {
+    std::vector<std::uint8_t> sharp(surface.component_count(), 0);
     for (std::uint32_t h = 0; h < 4 * surface.face_count(); ++h) {
         if (h % 4 == 3 || surface.twin(h) == Surface::kNone) continue;
-        if (is_sharp(surface.normal(h / 4), surface.normal(surface.twin(h) / 4))) return true;
+        if (is_sharp(surface.normal(h / 4), surface.normal(surface.twin(h) / 4))) sharp[surface.component(h / 4)] = 1;
     }
-    return false;
+    return sharp;
 }
 
 std::optional<Unfolded> unfolded(const Surface& surface, const SurfacePoint& from, Point3 straight, std::uint32_t face,

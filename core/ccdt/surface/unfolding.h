@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "core/ccdt/surface/surface.h"
 #include "core/geometry/point3.h"
@@ -20,8 +22,8 @@ inline bool is_sharp(Point3 first, Point3 second) {
     return dot(first, second) < kSharpCosine;
 }
 
-/// Whether any edge of a surface is sharp.
-bool has_sharp_edges(const Surface& surface);
+/// Returns for each component of a surface whether any of its edges is sharp.
+std::vector<std::uint8_t> sharp_components(const Surface& surface);
 
 /// A vector between two points of a surface, after the second face was rotated into the plane of the first one.
 struct Unfolded {

@@ -266,6 +266,15 @@ TEST(DistributeOnSurface, FollowsThinTubesOfSmallFaces) {
     }
 }
 
+TEST(DistributeOnSurface, FollowsThinTubesBesideComponentsWithSharpEdges) {
+    // The circumference is 4.6 hexagonal spacings.
+    const Surface surface = surface_of(joined(torus_surface(1, 0.1, 192, 32), test::cube_surface({3, 3, 3}, 0.5)));
+    for (const std::uint64_t seed : {0, 1, 2, 3, 4}) {
+        SCOPED_TRACE(seed);
+        EXPECT_LT(distributed(surface, {.sites = 337, .seed = seed}).variation(), 0.1);
+    }
+}
+
 TEST(DistributeOnSurface, SpreadsSitesEvenlyOverLongThinFaces) {
     // A tube of needles: each quarter of its length has a quarter of the sites.
     for (const int sides : {40, 400, 4000}) {
