@@ -395,10 +395,10 @@ Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, Sep
     if (dots.shows_contrast) {
         plan.warnings.push_back({request.field_of("sites"),
                                  "so few small dots cannot reach half of the tone: they show local contrast instead"});
-    } else if (*plan.tone < kLowTone) {
-        plan.warnings.push_back({request.field_of(request.minutes ? "minutes" : "sites"),
-                                 "so few small dots cover only " + std::to_string(std::lround(100 * *plan.tone)) +
-                                     " % of what they should: the drawing is too light"});
+    } else if (!request.minutes && *plan.tone < kLowTone) {
+        plan.warnings.push_back({request.field_of("sites"), "so few small dots cover only " +
+                                                                std::to_string(std::lround(100 * *plan.tone)) +
+                                                                " % of what they should: the drawing is too light"});
     }
     return {};
 }
