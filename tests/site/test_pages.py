@@ -14,7 +14,7 @@ from PIL import Image
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 SITE = pathlib.Path(os.environ["CCDT_SITE"])
-MAX_BYTES = 33_600_000
+MAX_BYTES = 34_400_000
 
 
 class Page(html.parser.HTMLParser):
