@@ -403,16 +403,25 @@ TEST(AnalyzeCost, BoundsMemoryUsed) {
 TEST(SurfaceCost, BoundsMemoryUsed) {
     if (!kMemoryIsOurs) GTEST_SKIP() << "sanitizers use memory of their own";
     struct Case {
-        int columns;
+        std::string name;
+        TriangleSoup soup;
         std::vector<TextOption> options;
     };
-    const std::vector<Case> cases = {{20, {{"sites", "30000"}, {"format", "npy"}}},
-                                     {20, {{"sites", "30000"}, {"mesh", "true"}}},
-                                     {20, {{"sites", "30000"}, {"order", "progressive"}, {"format", "ply"}}},
-                                     {300, {{"sites", "10"}}},
-                                     {300, {{"sites", "10"}, {"density", "curvature"}, {"fixed", "[[1,0,0]]"}}}};
-    for (const auto& [columns, options] : cases) {
-        const TriangleSoup soup = test::torus_surface(1, 0.3, columns, columns);
+    const TriangleSoup coarse = test::torus_surface(1, 0.3, 20, 20), fine = test::torus_surface(1, 0.3, 300, 300);
+    const TriangleSoup thin = test::torus_surface(1, 1e-3, 300, 8);
+    TriangleSoup rod = test::cube_surface();
+    for (Point3& vertex : rod.vertices) vertex = {vertex.x, 1e-3 * vertex.y, 1e-3 * vertex.z};
+    const std::vector<Case> cases = {
+        {"coarse", coarse, {{"sites", "30000"}, {"format", "npy"}}},
+        {"draft", coarse, {{"sites", "30000"}, {"format", "npy"}, {"quality", "draft"}}},
+        {"mesh", coarse, {{"sites", "30000"}, {"mesh", "true"}}},
+        {"draft with mesh", coarse, {{"sites", "30000"}, {"mesh", "true"}, {"quality", "draft"}}},
+        {"progressive", coarse, {{"sites", "30000"}, {"order", "progressive"}, {"format", "ply"}}},
+        {"thin", thin, {{"sites", "30000"}, {"format", "npy"}}},
+        {"rod", rod, {{"sites", "20000"}, {"format", "npy"}}},
+        {"fine", fine, {{"sites", "10"}}},
+        {"fixed", fine, {{"sites", "10"}, {"density", "curvature"}, {"fixed", "[[1,0,0]]"}}}};
+    for (const auto& [name, soup, options] : cases) {
         SurfaceFile file;
         file.header.max_triangles = soup.triangles.size();
         file.header.max_vertices = soup.vertices.size();
@@ -426,7 +435,7 @@ TEST(SurfaceCost, BoundsMemoryUsed) {
             Timings timings;
             if (!run_sample3(*request, decode, {}, timings)) std::abort();
         };
-        expect_near(cost_of(*request), 3, work, std::to_string(columns) + ' ' + options.back().name);
+        expect_near(cost_of(*request), 3, work, name);
     }
 }
 

@@ -182,13 +182,15 @@ Result<PlacedSurface> place_sample3(const SurfaceRequest& request, const Decode&
 
 Cost cost_of(const SurfaceRequest& request) {
     // Fitted to measured peaks of resident memory and to measured times; tests/api/cost_test.cpp compares the peaks.
-    constexpr Estimate kTriangle{300, 3.2 * kMicrosecond}, kVertex{60, 0};
+    constexpr Estimate kTriangle{330, 3.2 * kMicrosecond}, kVertex{60, 0};
     constexpr Estimate kTexel{4, 0.02 * kMicrosecond};
-    constexpr Estimate kTree{250, kMicrosecond};                               // of a triangle, to place fixed points
-    constexpr Estimate kProjection{0, 10 * kMicrosecond};                      // of a fixed point near the surface
-    constexpr Estimate kSite{700, 2 * kMicrosecond};                           // initial sites and their triangulation
-    constexpr Estimate kPass{0, 0.45 * kMicrosecond};                          // pass of an iteration, of a site
-    constexpr Estimate kPolish{0, 17 * kMicrosecond};                          // standard quality, of a site
+    constexpr Estimate kTree{250, kMicrosecond};           // of a triangle, to place fixed points
+    constexpr Estimate kProjection{0, 10 * kMicrosecond};  // of a fixed point near the surface
+    constexpr Estimate kSite{600, 2 * kMicrosecond};       // initial sites and their triangulation
+    constexpr Estimate kPass{0, 0.45 * kMicrosecond};      // pass of an iteration, of a site
+    // Standard quality, of a site. Bodies that are not much thicker than the spacing of the sites need most memory.
+    // Those that are much thinner, such as ribbons, need twice as much, but this is not known before they are read.
+    constexpr Estimate kPolish{1'100, 17 * kMicrosecond};
     constexpr Estimate kPicture{1'500, 20 * kMicrosecond};                     // density by pictures, of a site
     constexpr Estimate kProgressive{100, 4 * kMicrosecond}, kKeptMesh{80, 0};  // of a site
     constexpr double kBest = 4;  // polish of the best quality, relative to the standard quality
@@ -197,7 +199,7 @@ Cost cost_of(const SurfaceRequest& request) {
     Estimate triangle = kTriangle, site = kSite + kPass * (static_cast<double>(run.iterations) * run.passes);
     if (!run.fixed.empty()) triangle = triangle + kTree;
     if (run.quality != Quality::Draft && run.iterations > 0)
-        site = site + kPolish * (run.quality == Quality::Best ? kBest : 1);
+        site = site + Estimate{kPolish.bytes, kPolish.seconds * (run.quality == Quality::Best ? kBest : 1)};
     if (run.keep_mesh) site = site + kKeptMesh;
     if (request.order == PointOrder::Progressive) site = site + kProgressive;
     const auto* kind = std::get_if<SurfaceDensityKind>(&request.density);

@@ -84,9 +84,9 @@ template <class Mesh, class SitesIn, class OnBorder>
 auto find_narrow_pieces(const Mesh& mesh, SitesIn&& sites_in, OnBorder&& on_border) {
     constexpr double kNarrow = 1.1;  // largest width, in spacings
     constexpr double kEmpty = 1e-9;  // capacity that may be a rounding error, in sites
-    std::vector<std::uint32_t> numbers(mesh.triangle_count(), Mesh::kNone);
     using Position = decltype(mesh.along(0));
-    std::vector<NarrowPiece<Position>> pieces;
+    std::vector<std::uint32_t> numbers(mesh.triangle_count(), Mesh::kNone);
+    std::vector<double> capacities;  // [pieces]
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
         const double sites = sites_in(t), doubled_area = mesh.doubled_area(t);
         if (!(sites >= kEmpty)) continue;
@@ -99,9 +99,16 @@ auto find_narrow_pieces(const Mesh& mesh, SitesIn&& sites_in, OnBorder&& on_bord
             longest = std::max(longest, length);
         }
         if (std::min(width, longest) >= kNarrow * std::sqrt(doubled_area / 2 / sites)) continue;
+        numbers[t] = static_cast<std::uint32_t>(capacities.size());
+        capacities.push_back(sites);
+    }
+    std::vector<NarrowPiece<Position>> pieces;
+    pieces.reserve(capacities.size());  // exact, because pieces are large
+    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        if (numbers[t] == Mesh::kNone) continue;
         const auto corners = mesh.positions(t);
-        numbers[t] = static_cast<std::uint32_t>(pieces.size());
-        pieces.push_back({corners, 1.0 / 3 * (corners[0] + corners[1] + corners[2]), doubled_area / 2, sites});
+        const Position centre = 1.0 / 3 * (corners[0] + corners[1] + corners[2]);
+        pieces.push_back({corners, centre, mesh.doubled_area(t) / 2, capacities[numbers[t]]});
     }
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
         for (std::uint32_t i = 0; numbers[t] != Mesh::kNone && i < 3; ++i) {

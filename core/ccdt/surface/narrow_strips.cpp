@@ -25,7 +25,7 @@ SurfaceTriangulation mesh_of_borders(const Surface& surface, std::vector<double>
                                      Executor& executor, const std::stop_token& stop) {
     constexpr std::size_t kFine = 3;  // distance of vertices on borders, relative to the spacing
     for (double& spacing : spacings) spacing /= kFine;
-    CreaseVertices vertices = choose_crease_vertices(surface, spacings, kFine * sites / 2);
+    CreaseVertices vertices = choose_crease_vertices(surface, spacings, sites / 2);
     for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
         const auto corners = surface.corners(f);
         for (std::uint32_t i = 0; i < 3; ++i) {
