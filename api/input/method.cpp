@@ -6,10 +6,12 @@
 #include <limits>
 #include <string>
 
+#ifdef CCDT_BASELINES
 #include "core/baselines/ccvt.h"
 #include "core/baselines/cvt.h"
 #include "core/baselines/odt.h"
 #include "core/baselines/random_sites.h"
+#endif
 
 namespace ccdt::api {
 namespace {
@@ -17,11 +19,6 @@ namespace {
 constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();  ///< no limit other than that of the server
 
 constexpr MethodOptions kAll = {.iterations = true, .passes = true, .quality = true, .tolerance = true, .fixed = true};
-constexpr MethodOptions kIterative = {
-    .iterations = true, .passes = false, .quality = false, .tolerance = true, .fixed = false};
-constexpr MethodOptions kNone = {
-    .iterations = false, .passes = false, .quality = false, .tolerance = false, .fixed = false};
-
 /// Estimates the cost of computing, on a grid, the areas that belong to fixed points.
 Estimate fixed_areas_cost(const Options& options) {
     if (options.fixed.empty()) return {};
@@ -49,6 +46,12 @@ Estimate ccdt_cost(const Options& options, bool is_uniform) {
     return Estimate{sites * bytes, sites * microseconds * kMicrosecond} + fixed_areas_cost(options);
 }
 
+#ifdef CCDT_BASELINES
+constexpr MethodOptions kIterative = {
+    .iterations = true, .passes = false, .quality = false, .tolerance = true, .fixed = false};
+constexpr MethodOptions kNone = {
+    .iterations = false, .passes = false, .quality = false, .tolerance = false, .fixed = false};
+
 /// @param bytes                      memory per site
 /// @param microseconds_an_iteration  time per site
 Estimate iteration_cost(const Options& options, double bytes, double microseconds_an_iteration) {
@@ -72,12 +75,16 @@ Estimate random_cost(const Options& options, bool) {
     return Estimate{290, 2.5 * kMicrosecond} * static_cast<double>(options.sites);
 }
 
+#endif
+
 constexpr Method kMethods[] = {
     {"ccdt", "CCDT", kNoLimit, Options{}.iterations, kAll, ccdt_cost, distribute},
+#ifdef CCDT_BASELINES
     {"cvt", "CVT, Lloyd's method", 50'000, kCvtIterations, kIterative, cvt_cost, cvt},
     {"odt", "ODT", 500'000, kOdtIterations, kIterative, odt_cost, odt},
     {"ccvt", "CCVT", 20'000, kCcvtIterations, kIterative, ccvt_cost, ccvt},
     {"random", "random", kNoLimit, 0, kNone, random_cost, random_sites},
+#endif
 };
 
 constexpr std::array<Choice<bool MethodOptions::*>, 5> kOptions = {{{"iterations", &MethodOptions::iterations},
