@@ -26,7 +26,7 @@ struct CellBlock {
 /// stretched over the bounding box of the domain.
 ///
 /// Only ratios matter. At creation, all values are scaled by one power of two, which loses no precision: the largest
-/// value then lies in [1, 2), and values below kLeast count as 0. So all of the following are finite and do not
+/// value then lies in [1, 2), and values below kMin count as 0. So all of the following are finite and do not
 /// underflow: sums of values, products of two values, products of a value and an area, and quotients of these.
 /// Densities that differ by a power of two give identical bytes.
 class Density {

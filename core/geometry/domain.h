@@ -29,7 +29,7 @@ struct RepairedArea;
 /// Guaranteed ranges, in the caller's coordinates: the longer side is between 1e-140 and 1e140, and no coordinate
 /// exceeds 1e9 times the longer side. The shorter side is at least 1e-12 times the longer side, and the area at least
 /// 1e-12 times its square. So quotients of sides, and products of two lengths with any count of sites or cells, are
-/// finite and not 0. Coordinates of corners in the unit frame are 0 or at least kLeast, so slopes of edges are finite.
+/// finite and not 0. Coordinates of corners in the unit frame are 0 or at least kMin, so slopes of edges are finite.
 class Domain {
 public:
     /// Distance in the unit frame below which a corner counts as lying on the left or lower side of the bounding box.

@@ -27,7 +27,7 @@ struct Batch {
 };
 
 /// The current triangle of a walk to a point, and the point. On a torus, the point is the periodic copy in the
-/// coordinates of Triangulation::places().
+/// coordinates of Triangulation::positions().
 struct Location {
     std::uint32_t triangle;
     Point point;

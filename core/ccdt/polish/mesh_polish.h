@@ -34,7 +34,7 @@ public:
     ///                         unused if the density is uniform
     /// @param sites            number of free sites
     /// @param support          of the density; unused if the density is uniform; must outlive this object
-    /// @param fixed            existing points; `fixed.places` are the mesh's last sites
+    /// @param fixed            existing points; `fixed.positions` are the mesh's last sites
     /// @param stop             polled regularly; after a stop the object must not be used
     /// @param executor         runs the steps; must outlive this object
     MeshPolish(const Domain& domain, const Density& density, double capacity, std::size_t sites, const Support& support,
