@@ -13,7 +13,7 @@ namespace ccdt::api {
 /// Draws rings as smooth curves that enclose the same area, to about 1 %. A curve is a quadratic spline with a control
 /// point for each corner of the ring, a little further out. At the sides of the box, the curve is straight.
 /// @param position  maps a corner to the drawing
-/// @param sink   has move_to(point), line_to(point), curve_to(control, end) and close()
+/// @param sink      has move_to(point), line_to(point), curve_to(control, end) and close()
 template <class Position, class Sink>
 void trace_rings(std::span<const std::vector<Point>> rings, const Box& box, const Position& position, Sink& sink) {
     // For regular rings of 4 to 8 corners, 0.095 to 0.087 keep the area exactly.

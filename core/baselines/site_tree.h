@@ -33,7 +33,7 @@ public:
     /// nearest site, the result contains every site that can be nearest to some point within the distance r of
     /// `position`.
     /// @param position  on a torus: within the torus's box
-    /// @param found  out; replaced
+    /// @param found     out; replaced
     void within(Point position, double distance, std::vector<Found>& found) const;
 
     /// Hides a site from nearest(). O(log n).

@@ -12,9 +12,9 @@ namespace ccdt {
 /// Rounds the quotas of places to whole numbers so that errors cancel among near places.
 ///
 /// @param positions  [n] finite; all in one plane, or near one surface
-/// @param quotas  [classes][n] finite, >= 0, with sums below 2^53
-/// @returns       [classes][n] each number is its quota rounded up or down, and the numbers of a class add up to the
-///                rounded sum of its quotas
+/// @param quotas     [classes][n] finite, >= 0, with sums below 2^53
+/// @returns          [classes][n] each number is its quota rounded up or down, and the numbers of a class add up to the
+///                   rounded sum of its quotas
 ///
 /// A binary tree divides the places in halves, across the longer side of their bounding box. In every node, the sum of
 /// the numbers of a class is the sum of its quotas rounded up or down. The sum over all classes differs by less than

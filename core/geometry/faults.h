@@ -31,10 +31,10 @@ class Faults {
 public:
     static constexpr std::size_t kNoCorner = ~std::size_t{0};
 
-    /// @param ring    index of the ring
-    /// @param other   index of the other ring; equal to `ring` if there is none
-    /// @param corner  corner of `ring` near the fault; kNoCorner if there is none
-    /// @param position   place of the fault, in the unit frame
+    /// @param ring      index of the ring
+    /// @param other     index of the other ring; equal to `ring` if there is none
+    /// @param corner    corner of `ring` near the fault; kNoCorner if there is none
+    /// @param position  place of the fault, in the unit frame
     void add(Fault fault, std::size_t ring, std::size_t other, std::size_t corner, Point position);
 
     bool empty() const { return found_.empty(); }

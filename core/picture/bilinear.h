@@ -11,8 +11,8 @@ namespace ccdt {
 
 /// Position between two neighbouring pixel centres along one axis, limited to the range of the outermost centres.
 struct BetweenPixels {
-    /// @param position   in pixels; the first pixel covers [0, 1]
-    /// @param pixels  >= 1
+    /// @param position  in pixels; the first pixel covers [0, 1]
+    /// @param pixels    >= 1
     BetweenPixels(double position, int pixels) {
         const double inside = std::clamp(position - 0.5, 0.0, pixels - 1.0);
         const int before = std::min(static_cast<int>(inside), std::max(pixels - 2, 0));
@@ -32,8 +32,8 @@ inline float mix(float a, float b, float share) {
 
 /// Interpolates an image bilinearly between its pixel centres.
 ///
-/// @param values  [width * height]
-/// @param position   in pixels from the image's upper left corner
+/// @param values    [width * height]
+/// @param position  in pixels from the image's upper left corner
 inline float interpolated(const std::vector<float>& values, int width, int height, Point position) {
     const BetweenPixels x(position.x, width), y(position.y, height);
     const float* upper = values.data() + y.first * static_cast<std::size_t>(width);

@@ -148,7 +148,7 @@ public:
 
     /// Counts the connection towards the limit of `address` instead of the previous address.
     /// @param address  empty: the connection counts towards no limit
-    /// @returns  false if that address is at its limit; nothing is changed then
+    /// @returns        false if that address is at its limit; nothing is changed then
     bool count_by(const std::string& address);
 
 private:

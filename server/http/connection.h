@@ -41,7 +41,7 @@ public:
 
     /// Waits for the first byte of the next request.
     /// @param should_stop  called about five times a second with the time waited so far
-    /// @returns        false if the client closed the connection, or `should_stop` returned true
+    /// @returns            false if the client closed the connection, or `should_stop` returned true
     bool wait_for_request(const std::function<bool(Milliseconds waited)>& should_stop);
 
     /// Reads the PROXY header at the start of a connection, if there is one. The client that it names becomes the peer.

@@ -220,7 +220,7 @@ private:
     /// Sends a body while it is produced. A body without a known length is sent in chunks. HTTP/1.0 clients do not know
     /// chunks, so closing the connection ends such a body.
     /// @param remaining  bytes that may be sent
-    /// @returns     false if the client did not receive the whole body
+    /// @returns          false if the client did not receive the whole body
     bool send_stream(httplib::DataSink& sink, std::size_t remaining) {
         if (stream_.failed()) return false;
         const auto send = [&](std::string_view piece) {

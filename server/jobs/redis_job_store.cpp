@@ -286,7 +286,7 @@ Result<void> RedisJobStore::upload(const Job& job, RedisCommand fields, std::str
 
 /// Reads the pieces of a body after `first`, its first piece, and returns the whole body.
 /// @param size  size of the whole body, in bytes
-/// @returns  none if the pieces no longer exist
+/// @returns     none if the pieces no longer exist
 Result<std::optional<std::string>> RedisJobStore::download(const std::string& key, const std::string& id,
                                                            std::string first, std::size_t size) {
     std::string body = std::move(first);

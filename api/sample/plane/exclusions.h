@@ -27,7 +27,7 @@ struct Exclusions {
 };
 
 /// Computes the areas that the options `avoid` and `exclude` subtract.
-/// @param box     bounding box of the domain, over which the excluded picture is stretched
+/// @param box  bounding box of the domain, over which the excluded picture is stretched
 /// Errors: Unusable for avoided areas that cannot be repaired, or that need a repair although the request rejects
 /// invalid polygons; LimitExceeded for a picture whose outline has more than kMaxExcludedCorners corners; those of
 /// `decode`; Stopped. Fields are JSON Pointers.

@@ -117,8 +117,8 @@ std::string describe_glb(int mode, std::span<const GlbArray> arrays, const Bound
 }
 
 /// Writes a glTF file with one primitive.
-/// @param position   returns the position of a vertex
-/// @param arrays  further arrays, after the positions
+/// @param position  returns the position of a vertex
+/// @param arrays    further arrays, after the positions
 template <class Position>
 Result<void> write_glb(int mode, std::size_t vertices, Position position, std::vector<GlbArray> arrays, Body& body,
                        const std::stop_token& stop) {

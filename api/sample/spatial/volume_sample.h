@@ -52,7 +52,7 @@ Result<VolumeRequest> parse_volume(JsonValue root, const std::vector<TextOption>
                                    const Limits& limits);
 
 /// Reads a request whose options are given as text.
-/// @param voxels   the density; without `width`, `height` or `depth`, a voxel is one unit long
+/// @param voxels  the density; without `width`, `height` or `depth`, a voxel is one unit long
 /// Errors: as above; Error::field begins with the name of an option.
 Result<VolumeRequest> parse_volume(Result<VoxelInput> voxels, const std::vector<TextOption>& options,
                                    std::string_view accept, const Limits& limits);

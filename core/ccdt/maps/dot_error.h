@@ -25,7 +25,7 @@ public:
     DotError(const DotGround& ground, const Domain& land, std::span<const FeatureDot> dots);
 
     /// @param positions  [dots] positions in the unit frame
-    /// @param errors  out: [dots] results of ErrorGrid::at()
+    /// @param errors     out: [dots] results of ErrorGrid::at()
     ///
     /// O(dots).
     void measure(std::span<const Point> positions, std::span<double> errors);

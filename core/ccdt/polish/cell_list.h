@@ -41,7 +41,7 @@ public:
     /// O(points), multiplied by the depth of nested grids, which is small even for points on a surface.
     explicit BasicCellList(std::span<const P> positions);
 
-    /// @param torus   sides of a torus in space, > 0
+    /// @param torus      sides of a torus in space, > 0
     /// @param positions  [n >= 1], wrapped into the torus
     BasicCellList(P torus, std::span<const P> positions);
 

@@ -58,7 +58,7 @@ ErrorGrid::ErrorGrid(Point sides, double cell, std::size_t sites, std::span<cons
 
 /// Selects the grid points to store: all points on which a site in one of the pieces can be spread.
 /// @param pieces  the pieces of the box that contain a part of the areas
-/// @param side  size of the pieces
+/// @param side    size of the pieces
 void ErrorGrid::choose_stored(const CrossedCells& pieces, Point side) {
     constexpr double kMargin = 0.5;  // in pieces; rounding can move a point beyond the side of a piece
     struct Range {

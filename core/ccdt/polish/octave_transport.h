@@ -147,8 +147,8 @@ public:
         for (Octave& octave : octaves_) octave.grid.clear();
     }
     /// Spreads points on the grids of their octaves.
-    /// @param positions   relative to the origin of the frame, as Frame::position() returns them
-    /// @param weights  [at most positions] weights of the last points; all points before them have weight 1
+    /// @param positions  relative to the origin of the frame, as Frame::position() returns them
+    /// @param weights    [at most positions] weights of the last points; all points before them have weight 1
     void spread(std::span<const P> positions, std::span<const double> weights);
 
     /// Spreads sites in the domain, as above, and transforms the grids. Returns false after a stop.

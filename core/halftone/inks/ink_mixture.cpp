@@ -37,7 +37,7 @@ class EntropyFit {
 public:
     static constexpr double kTau = 150, kFirst = 10, kExact = 1e6;
 
-    /// @param costs   [sets] D
+    /// @param costs      [sets] D
     /// @param positions  [sets] v
     EntropyFit(std::span<const double> costs, std::span<const Lab> positions, const Lab& off)
         : costs_(costs), positions_(positions), off_(off), shares_(costs.size()) {}

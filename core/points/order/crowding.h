@@ -171,7 +171,7 @@ private:
     }
 
     /// Computes the crowding of point k by the points in `runs`.
-    /// @returns     the squared ratio of distance to reach for the nearest point
+    /// @returns  the squared ratio of distance to reach for the nearest point
     CCDT_INLINE float add(std::uint32_t k, const Runs& runs) {
         Floats sum{}, nearest = Floats{} + 1;
         for (const auto [begin, end] : runs) {
