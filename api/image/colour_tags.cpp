@@ -113,7 +113,8 @@ std::string_view read_webp(std::string_view bytes) {
     return {};
 }
 
-/// Returns the profile in a BMP with a header of version 5. The header states the place relative to its own beginning.
+/// Returns the profile in a BMP with a header of version 5. The header states the offset of the profile from the
+/// beginning of the header.
 std::string_view read_bmp(std::string_view bytes) {
     constexpr std::size_t kHeader = 14, kColourSpace = 56, kPlace = 112, kSize = 116;
     constexpr std::uint32_t kVersion5 = 124, kEmbedded = 0x4D424544;  // "MBED"

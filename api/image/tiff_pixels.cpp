@@ -187,7 +187,7 @@ private:
 
     bool has_alpha() const { return used_.size() > colours_; }
 
-    /// Calls a function for each pixel, with the pixel's values and the place of its results, and copies alpha.
+    /// Calls a function for each pixel, with the pixel's values and the address of its results, and copies alpha.
     template <class To, class Convert>
     void for_each_pixel(To* to, std::size_t results, const Convert& convert) const {
         for (std::size_t i = 0; i < values_.size(); i += used_.size(), to += results) {

@@ -42,7 +42,7 @@ struct FeatureCounts {
     /// Features for which the count of a class is missing or null.
     struct Missing {
         std::size_t features = 0;
-        std::string first;  ///< JSON Pointer to the place of the first missing count
+        std::string first;  ///< JSON Pointer to the first missing count
     };
 
     std::vector<std::string> classes;  ///< names of the properties that hold the counts, as in the features
@@ -63,8 +63,8 @@ struct FeatureCounts {
 };
 
 /// Computes the number of points of each class in each feature: a property divided by `per`, then rounded by
-/// apportion(). The rounded numbers of a class thus add up to its rounded sum. Features without a place are rounded by
-/// themselves. A number may be given as a string, as in census files. A property that is null or missing counts as 0.
+/// apportion(). The rounded numbers of a class thus add up to its rounded sum. Features without a middle are rounded
+/// one by one. A number may be given as a string, as in census files. A property that is null or missing counts as 0.
 ///
 /// @param features  features of a collection
 /// @param places    [features] result of middle_of()

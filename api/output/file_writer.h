@@ -8,14 +8,14 @@
 
 namespace ccdt::api {
 
-/// A place to which an answer is written.
+/// A file to which an answer is written.
 struct OutputTarget {
     std::string path;
     bool is_replaced = false;  ///< the path has no links, and names a regular file or a file to create
     int descriptor = -1;       ///< of this process; if it is given, it is written instead of the path
 };
 
-/// Finds the place that a name stands for.
+/// Finds the file to which an answer with this name must be written.
 ///
 /// A regular file, or a new name in a folder, is replaced. A link to either stays, and its target is replaced or
 /// created. Everything else is written directly: devices, pipes, sockets, files on which another file is mounted, and

@@ -53,12 +53,12 @@ Result<PlyHeader> read_ply_header(std::string_view file);
 /// Reads a PLY. Elements may be in any sequence. Those other than vertex, face and tristrips, and properties that are
 /// not used, are skipped. Used are positions, colours and texture coordinates of vertices, and the list of corners.
 /// @param sink  SurfaceCounter or SurfaceBuilder
-/// Errors: Unusable, with the place.
+/// Errors: Unusable, with the position in the file.
 template <class Sink>
 Result<void> read_ply(std::string_view file, Sink& sink);
 
 /// Reads the positions of the vertices of a PLY, which needs no faces. Coordinates that are missing are NaN. Errors:
-/// Unusable, with the place.
+/// Unusable, with the position in the file.
 Result<std::vector<Point3>> read_ply_points(std::string_view file);
 
 }  // namespace ccdt::api

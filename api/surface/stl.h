@@ -17,7 +17,7 @@ bool is_text_stl(std::string_view bytes);
 
 /// Reads an STL. Each corner of each facet is a vertex of its own. Normals are not read.
 /// @param sink  SurfaceCounter or SurfaceBuilder
-/// Errors: Unusable, with the place.
+/// Errors: Unusable, with the position in the file.
 /// Sources: 3D Systems, Stereolithography Interface Specification, 1988; for the colours of a binary STL, VisCAM and
 /// Materialise Magics.
 template <class Sink>

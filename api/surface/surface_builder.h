@@ -96,12 +96,12 @@ public:
     Result<void> face(std::span<const std::uint32_t> corners, const FacePlace& position);
     /// Counts something that is ignored.
     /// @param what    calls with the same text are counted together
-    /// @param where   its place, if it is the first one
+    /// @param where   position of the first one in the file
     /// @param number  how often it occurs there
     void warn(const char* what, std::string where, std::size_t number = 1);
 
     /// Ends the mesh: divides polygons, and checks all indices and the positions of corners. Errors: Unusable, with the
-    /// place.
+    /// position in the file.
     Result<SurfaceContents> finish();
 
     TriangleSoup& soup() { return soup_; }

@@ -21,8 +21,8 @@ namespace ccdt::api {
 ///
 /// @param header  result of read_surface_header() for these bytes
 /// @param decode  decoder of pictures; empty: they are not read
-/// Errors: Unusable for a damaged file, with the place; for a polygon with more than 10,000 corners; for a corner whose
-/// coordinates are not finite; and for a file without triangles.
+/// Errors: Unusable for a damaged file, with the position in the file; for a polygon with more than 10,000 corners; for
+/// a corner whose coordinates are not finite; and for a file without triangles.
 Result<SurfaceContents> read_surface(std::string_view bytes, const SurfaceHeader& header,
                                      const DecodePicture& decode = {});
 

@@ -30,7 +30,7 @@ public:
     /// Returns the number of the line of the last word, counted from 1.
     std::size_t line() const { return line_; }
 
-    /// Returns the place of the last word for an error message, such as "line 7: ".
+    /// Returns the position of the last word for an error message, such as "line 7: ".
     std::string position() const { return "line " + std::to_string(line_) + ": "; }
 
 private:

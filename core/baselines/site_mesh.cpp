@@ -101,9 +101,9 @@ bool SiteMesh::keeps_margin() const {
     return true;
 }
 
-/// Triangulates all sites from scratch. Each site is placed at the end of its move. If there is no place, its move is
+/// Triangulates all sites from scratch. Each site is placed at the end of its move. If there is no space, its move is
 /// shortened.
-/// @returns  false if there is no place for a site
+/// @returns  false if there is no space for a site
 bool SiteMesh::insert_all(std::span<const Point> from, std::span<const Point> to) {
     Triangulation mesh = empty_.mesh;
     const auto insert_step = [&](std::span<const std::uint32_t> step) {

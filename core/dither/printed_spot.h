@@ -12,9 +12,9 @@ inline constexpr double kMinSpot = 1, kMaxSpot = 2;
 
 /// Area that round spots of ink cover.
 ///
-/// A dark pixel prints a disc around its centre. Areas do not add: a place is covered or not. A disc of a diameter of
-/// at most 2 reaches the squares of the pixel and of its eight neighbours only. So the covered share of a pixel's
-/// square is a function of these nine pixels.
+/// A dark pixel prints a disc around its centre. Areas of overlapping discs do not add up. A disc of a diameter of at
+/// most 2 reaches the squares of the pixel and of its eight neighbours only. So the covered share of a pixel's square
+/// is a function of these nine pixels.
 class PrintedSpot {
 public:
     /// A set of dark pixels among a pixel and its neighbours: the sum of their bits.

@@ -398,8 +398,8 @@ private:
         return std::nullopt;
     }
 
-    /// Returns the vertex at a place; inserts one if needed. Because of rounding, several lines through one point cross
-    /// at several places close together. All of these crossings share the first vertex.
+    /// Returns the vertex at a position; inserts one if needed. Because of rounding, several lines through one point
+    /// cross at several positions close together. All of these crossings share the first vertex.
     Vertex vertex_at(Point at, Face nearby) {
         Triangulation::Locate_type where{};
         int i = 0;

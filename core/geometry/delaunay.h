@@ -72,7 +72,7 @@ struct Arrangement {
         std::array<std::uint32_t, 3> neighbours;  ///< [edges] triangle across edge i; kNone: outside the box
         std::array<std::uint32_t, 3> sets;  ///< [edges] number of the set of groups along edge i; kNone: no segment
     };
-    /// A place where a segment meets another segment other than at a shared end.
+    /// A point where a segment meets another segment other than at a shared end.
     struct Meeting {
         enum class Kind { Touch, Overlap, Cross };
         Kind kind;

@@ -45,7 +45,7 @@ public:
     /// Features does not allow: rings without area, rings that cross or touch themselves, rings that cross, overlap or
     /// share edges, a hole outside its part, a hole in a hole, a disconnected inside.
     ///
-    /// The message names the ring and the place. `field` is a JSON Pointer relative to the polygon, nested as in
+    /// The message names the ring and the position. `field` is a JSON Pointer relative to the polygon, nested as in
     /// GeoJSON's MultiPolygon: /part/ring/vertex, with ring 0 the outer one and the caller's vertex numbers.
     static Result<Domain> create(const std::vector<PolygonPart>& parts, const std::stop_token& stop = {});
 

@@ -20,7 +20,7 @@ namespace ccdt {
 struct Repair {
     std::string field;   ///< JSON Pointer relative to the polygon, /part/ring/vertex; shorter if the vertex or the ring
                          ///< is not known
-    std::string detail;  ///< readable text: the rings, the fault, and its place in the caller's coordinates
+    std::string detail;  ///< readable text: the rings, the fault, and its position in the caller's coordinates
 };
 
 /// Faults of one ring or of a pair of rings, in ascending order of severity.
@@ -34,7 +34,7 @@ public:
     /// @param ring      index of the ring
     /// @param other     index of the other ring; equal to `ring` if there is none
     /// @param corner    corner of `ring` near the fault; kNoCorner if there is none
-    /// @param position  place of the fault, in the unit frame
+    /// @param position  position of the fault, in the unit frame
     void add(Fault fault, std::size_t ring, std::size_t other, std::size_t corner, Point position);
 
     bool empty() const { return found_.empty(); }
@@ -51,7 +51,7 @@ private:
         Fault fault = Fault::Touches;
         std::size_t corner = kNoCorner;
         Point position;
-        std::size_t positions = 0;  ///< number of places with this fault
+        std::size_t positions = 0;  ///< number of positions with this fault
     };
     std::map<std::pair<std::size_t, std::size_t>, Found> found_;  ///< keyed by the ring and the other ring
     std::set<std::size_t> concerned_;

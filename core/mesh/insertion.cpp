@@ -38,8 +38,8 @@ struct Location {
 /// triangle that would change, lies outside the region.
 enum class Outcome { Done, Refused, Elsewhere };
 
-/// Walks towards a place. Each step crosses an edge that has the place on its right. The edge tried first varies from
-/// step to step, so that the walk cannot cycle where the triangulation is not Delaunay.
+/// Walks towards a position. Each step crosses an edge that has the position on its right. The edge tried first varies
+/// from step to step, so that the walk cannot cycle where the triangulation is not Delaunay.
 /// @param at  start of the walk on entry, its end on return
 /// @returns   false if the walk left the region
 bool locate(const Triangulation& mesh, const Region& region, Location& at) {
@@ -64,7 +64,8 @@ bool locate(const Triangulation& mesh, const Region& region, Location& at) {
     }
 }
 
-/// Returns the start of a walk to a place: a triangle, and the periodic copy of the place nearest to the triangle.
+/// Returns the start of a walk to a position: a triangle, and the periodic copy of the position nearest to the
+/// triangle.
 Location way_from(const Triangulation& mesh, std::uint32_t triangle, Point p) {
     if (!mesh.is_torus()) return {triangle, p, {}};
     const auto periods = [](double way, double period) { return static_cast<std::int8_t>(whole(way / period + 0.5)); };
@@ -86,7 +87,7 @@ void insert_first(Triangulation& mesh, std::uint32_t site, Point p) {
     mesh.join(Mesh::edge(below, 2), Mesh::edge(above, 0));
 }
 
-/// Inserts a site if its place, and all triangles that the insertion changes, lie within a region.
+/// Inserts a site if its position, and all triangles that the insertion changes, lie within a region.
 Outcome insert_in(Triangulation& mesh, Region& region, std::uint32_t site, Point p, double margin,
                   Region::Site& pending) {
     if (mesh.is_torus()) p = snapped(p);

@@ -38,7 +38,7 @@ bool isolate(Triangulation& mesh, std::uint32_t site) {
     return true;
 }
 
-/// Whether a place lies inside a triangle or on its edges; not for a torus.
+/// Whether a position lies inside a triangle or on its edges; not for a torus.
 bool is_within(const Triangulation& mesh, std::uint32_t triangle, Point p) {
     const auto [a, b, c] = mesh.positions(triangle);
     return orientation(a, b, p) >= 0 && orientation(b, c, p) >= 0 && orientation(c, a, p) >= 0;
@@ -52,7 +52,7 @@ bool relocate_site(Triangulation& mesh, std::uint32_t site, std::uint32_t triang
     const bool isolated = isolate(mesh, site);
     if (isolated) {
         // Merges the three triangles around the site into one. The two free triangles then divide the triangle at the
-        // new place.
+        // new position.
         const auto edges = edges_around(mesh, site);
         const std::uint32_t h = edges[0], kept = Mesh::triangle_of(h), u = Mesh::triangle_of(edges[1]),
                             v = Mesh::triangle_of(edges[2]);
@@ -61,7 +61,7 @@ bool relocate_site(Triangulation& mesh, std::uint32_t site, std::uint32_t triang
         mesh.join(Mesh::previous(h), mesh.twin(Mesh::next(edges[1])));
         mesh.points()[site] = p;
         if (std::ranges::find(touched, triangle) != touched.end()) {
-            // The merge has changed the triangles here. So the triangle that contains the place is looked up again.
+            // The merge has changed the triangles here. So the triangle that contains the position is looked up again.
             triangle = *std::ranges::find_if(
                 touched, [&](std::uint32_t t) { return t != u && t != v && is_within(mesh, t, p); });
         }

@@ -26,7 +26,7 @@ int refuse(const std::string& message) {
 }
 
 /// Replaces this program by ccdt-server.
-/// @param arguments  null-terminated; the first one is `serve`, in the place of the program's name
+/// @param arguments  null-terminated; the first one is `serve`, instead of the program's name
 int serve(const char** arguments) {
     const std::string name = "ccdt-server";
     arguments[0] = name.c_str();

@@ -71,7 +71,7 @@ Result<Block> read_block(std::span<const OptionRule<Block>> rules, const Input& 
     return block;
 }
 
-/// Members of blocks. A calibration area, whose place is given, has only the first two.
+/// Members of blocks. A calibration area, whose position is given, has only the first two.
 constexpr std::array<OptionRule<Block>, 4> kBlockRules = {{
     {"width", [](const Input& i, const Limits&, Block& b) { return assign(b.width, read_integer(i, 1, kMaxSide)); }},
     {"height", [](const Input& i, const Limits&, Block& b) { return assign(b.height, read_integer(i, 1, kMaxSide)); }},

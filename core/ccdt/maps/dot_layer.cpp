@@ -254,7 +254,7 @@ void DotLayer::relax(int passes) {
 }
 
 void DotLayer::polish_between(const PolishSettings& settings) {
-    constexpr int kFirst = 2;  // in earlier iterations, dots are not near their final places
+    constexpr int kFirst = 2;  // in earlier iterations, dots are not near their final positions
     if (result_.iterations < std::max(kFirst, options_.iterations - settings.early)) return;
     push_apart(settings.reach, settings.push, {});
     even_out();

@@ -18,7 +18,7 @@ namespace ccdt {
 /// apart.
 ///
 /// Each class has one triangulation. It covers the union of all features that have dots of this class, and its sites
-/// are these dots. Each dot has a disc whose diameter is the distance that neighbours should have at this place. The
+/// are these dots. Each dot has a disc whose diameter is the distance that neighbours should have at this position. The
 /// target of a triangle follows from the discs of its corners. A move that would leave a feature slides along its
 /// border instead. Long waves of density error are removed across borders between similar densities; at other borders,
 /// they are removed on each side separately.

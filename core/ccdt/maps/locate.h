@@ -16,7 +16,8 @@ namespace ccdt {
 /// point lies in no area, or on a border that two areas share, the result is the area whose border is nearest.
 ///
 /// @param areas   [n >= 1], none of them a torus
-/// @param period  distance along x after which places repeat, such as 360 degrees of longitude; 0: places do not repeat
+/// @param period  distance along x after which positions repeat, such as 360 degrees of longitude; 0: positions do not
+///                repeat
 /// @returns       indices of areas [points]
 /// Errors: Stopped. O(edges in the row of the point) for each point.
 Result<std::vector<std::uint32_t>> locate(std::span<const Domain* const> areas, std::span<const Point> points,

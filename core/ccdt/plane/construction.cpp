@@ -169,7 +169,7 @@ double Construction::measure(const Triangulation& mesh) {
 }
 
 /// Whether an iteration uses exact passes. Exact passes cost more, and help only once the sites are near their final
-/// places: test Distribute.DoesNotStallNextToWhite.
+/// positions: test Distribute.DoesNotStallNextToWhite.
 bool Construction::is_exact(int iteration) const {
     constexpr int kFirst = 4;
     return !density_.is_smooth() && (iteration >= kFirst || iteration + 1 == options_.iterations);
@@ -236,8 +236,8 @@ void Construction::pass_exactly(Relaxation& relaxation) {
 }
 
 /// Whether single sites are relocated after the current iteration. In polygons, this is done after the third iteration,
-/// or the last one if there are fewer. Before the third iteration, a surplus of sites at a place can be due to sites
-/// that are still moving. After the third iteration, there are usually further iterations to correct the capacities.
+/// or the last one if there are fewer. Before the third iteration, a local surplus of sites can be due to sites that
+/// are still moving. After the third iteration, there are usually further iterations to correct the capacities.
 bool Construction::resettles() const {
     constexpr int kIteration = 2;
     return result_.iterations == std::min(kIteration, options_.iterations - 1) && has_polish(options_) &&
@@ -279,8 +279,8 @@ Result<void> Construction::finish() {
     return {};
 }
 
-/// Evens out sites where the domain is narrower than their spacing, and moves sites from places of density zero to the
-/// nearest positive density. If any site moves, triangulates all sites anew.
+/// Evens out sites where the domain is narrower than their spacing, and moves sites from positions of density zero to
+/// the nearest position with a positive density. If any site moves, triangulates all sites anew.
 /// @returns  whether any site moved
 Result<bool> Construction::move_single_sites() {
     constexpr double kAnywhere = 1;  // covers the box

@@ -54,12 +54,12 @@ public:
     /// the polish.
     void equalise(int passes);
 
-    /// Relocates one site of each pair to a place with more space. Only for polygons.
+    /// Relocates one site of each pair to a position with more space. Only for polygons.
     /// @param pairs  pairs of sites that are too close to each other
     void separate(std::span<const std::array<std::uint32_t, 2>> pairs);
 
     /// Ends the iterations and the polish: restores the Delaunay property, evens out narrow places, and moves sites
-    /// from places where the density is zero. Errors: as for start().
+    /// from positions where the density is zero. Errors: as for start().
     Result<void> finish();
 
     Distribution collect();

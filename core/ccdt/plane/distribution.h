@@ -31,7 +31,7 @@ struct Options {
     Quality quality = Quality::Standard;
     bool keep_mesh = false;  ///< whether to fill Distribution::mesh
     /// Whether each side of a step of the density gets its exact share of sites, and no site stays where the density is
-    /// zero, also in a draft. If false, what counts is the mean of the density around each place, as in halftones.
+    /// zero, also in a draft. If false, only the mean of the density around each position counts, as in halftones.
     bool keep_steps = true;
     /// Existing points, in the domain's coordinates, that do not move and are not among the sites. Sites keep the same
     /// distance from fixed points as from each other. Each fixed point takes as much area as a site. A cluster of fixed

@@ -20,7 +20,7 @@
 #include "core/geometry/predicates.h"
 
 // Rows of sites where a domain in the plane, or a surface, is narrower than the spacing. A mesh is a Triangulation or a
-// SurfaceTriangulation. A place is a Point or a Point3.
+// SurfaceTriangulation. A position is a Point or a Point3.
 namespace ccdt {
 
 inline constexpr std::size_t kMinInRow = 3;  ///< least number of sites of a row
@@ -124,7 +124,7 @@ auto find_narrow_pieces(const Mesh& mesh, SitesIn&& sites_in, OnBorder&& on_bord
 template <class Position>
 class NarrowStrip {
 public:
-    /// @param walk  the pieces, in the order of a walk in depth from one end
+    /// @param walk  the pieces, in the order of a depth-first walk from one end
     NarrowStrip(const std::vector<NarrowPiece<Position>>& pieces, std::vector<std::uint32_t> walk)
         : pieces_(pieces), walk_(std::move(walk)) {
         for (const std::uint32_t piece : walk_) all_ += pieces_[piece].sites;
@@ -265,7 +265,9 @@ private:
         }
     }
 
-    /// Moves each site to its piece that is nearest to a place.
+    /// Moves each site to the piece of its own that is nearest to its position in `positions`.
+    /// @param owner  [pieces] site of each piece
+    /// @param at     in and out [sites] piece at which each site lies
     /// @returns  whether any site moved
     bool move_to(std::span<const Position> positions, const std::vector<std::uint32_t>& owner,
                  std::vector<std::uint32_t>& at) const {
@@ -287,7 +289,7 @@ private:
     double all_ = 0;
 };
 
-/// Returns the pieces that are connected with a piece, in the order of a walk in depth that begins there.
+/// Returns the pieces that are connected with a piece, in the order of a depth-first walk that begins there.
 template <class Position>
 std::vector<std::uint32_t> walk_from(const std::vector<NarrowPiece<Position>>& pieces, std::uint32_t first,
                                      std::vector<bool>& reached) {
@@ -305,7 +307,7 @@ std::vector<std::uint32_t> walk_from(const std::vector<NarrowPiece<Position>>& p
     return walk;
 }
 
-/// Sites of a strip, and new places for them.
+/// Sites of a strip, and new positions for them.
 template <class Position>
 struct NarrowRow {
     std::vector<std::uint32_t> sites;
@@ -330,8 +332,8 @@ double crowding(const NarrowRow<Position>& row, std::span<const Position> positi
     return sum;
 }
 
-/// Moves the sites of each row to their new places, unless this would increase their crowding considerably.
-/// @param cells_of  returns the cell list of places
+/// Moves the sites of each row to their new positions, unless this would increase their crowding considerably.
+/// @param cells_of  returns the cell list of positions
 /// @param is_apart  returns whether two sites cannot crowd each other, however near they are
 /// @returns         whether each site is in a row that moved [sites]; empty if no row moved
 template <class Position, class CellsOf, class IsApart>

@@ -25,7 +25,7 @@ public:
         : mesh_(mesh), first_(first), start_(start), vacancies_(std::move(vacancies)), seed_(seed), margin_(margin) {}
 
     /// Places sites, given in ascending order.
-    /// @returns  false if there is no place for one of the sites; after a stop the result must not be used
+    /// @returns  false if there is no position for one of the sites; after a stop the result must not be used
     bool position(std::span<const std::uint32_t> sites, const std::stop_token& stop) {
         const auto draw = [this](std::uint32_t site, int attempt) { return this->draw(site, attempt); };
         if (vacancies_.empty()) {

@@ -164,7 +164,7 @@ bool Resettlement::move_away(std::uint32_t site, double least, double enough) {
 }
 
 /// Returns the squared distance that `site` would have from the nearest other site if relocate() moved it beside `to`;
-/// negative if there is no place beside `to`.
+/// negative if there is no position beside `to`.
 double Resettlement::clearance_beside(std::uint32_t to, std::uint32_t site) const {
     const std::uint32_t triangle = triangle_beside(to, site);
     if (triangle == kNone) return -1;
@@ -227,8 +227,8 @@ bool Resettlement::is_in_small_part(std::uint32_t site) {
     return !small_parts().triangles[mesh_.part_of(site)].empty();
 }
 
-/// Returns the place that is farthest from all other sites, in the small part where `site` lies. Distances count
-/// only up to the least distance that two sites should have. Of equally far places, returns one in the largest
+/// Returns the position that is farthest from all other sites, in the small part where `site` lies. Distances count
+/// only up to the least distance that two sites should have. Of equally far positions, returns one in the largest
 /// triangle.
 Resettlement::Position Resettlement::farthest_position(std::uint32_t site) {
     constexpr double kThird = 1.0 / 3, kSixth = 1.0 / 6;

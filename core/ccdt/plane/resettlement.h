@@ -14,7 +14,7 @@
 
 namespace ccdt {
 
-/// Relocates single sites from places with too many sites to places with too few, within the same part of the domain.
+/// Relocates single sites from areas with too many sites to areas with too few, within the same part of the domain.
 /// Small moves cannot correct the number of sites in a narrow tongue: sites would have to pass its neck one by one.
 ///
 /// After a relocation, lists of the mesh's edges and one-rings must be rebuilt.
@@ -28,26 +28,26 @@ public:
     Resettlement(Triangulation& mesh, const TriangleGoals& goals, double least_height = 0);
 
     /// Relocates sites that, together with their neighbours, have a surplus of more than half a site. Such a site moves
-    /// to a place where more than half a site is missing.
+    /// to a position where more than half a site is missing.
     /// @returns  number of relocated sites
     ///
     /// O(sites), and O(n log n) for the n sites with too many or too few sites around them.
     std::size_t even_out();
 
-    /// Relocates a site to a place beside one of the eight sites with the largest capacities in its part of the domain.
-    /// Chooses the first place that is at least `enough` away from all other sites. If there is no such place, chooses
-    /// the one that is farthest from all other sites.
-    /// @param least  least distance from other sites at the new place
-    /// @returns      false, without moving the site, if all places are closer than `least` to other sites, or if the
-    ///               site or the place is near the old or new place of a previously relocated site
+    /// Relocates a site to a position beside one of the eight sites with the largest capacities in its part of the
+    /// domain. Chooses the first position that is at least `enough` away from all other sites. If there is no such
+    /// position, chooses the one that is farthest from all other sites.
+    /// @param least  least distance from other sites at the new position
+    /// @returns      false, without moving the site, if all positions are closer than `least` to other sites, or if the
+    ///               site or the position is near the old or new position of a previously relocated site
     ///
     /// O(sites).
     bool move_away(std::uint32_t site, double least = 0, double enough = 0);
 
     /// Relocates one of two sites that are too close. The second site may be in another part. In a part with few sites,
-    /// the relocated site moves to the place farthest from all other sites, including the sites of other parts. In a
+    /// the relocated site moves to the position farthest from all other sites, including the sites of other parts. In a
     /// larger part, the site moves as in move_away().
-    /// @returns  false, without moving a site, if no place is farther from other sites than the two sites are apart
+    /// @returns  false, without moving a site, if no position is farther from other sites than the two sites are apart
     ///
     /// O(sites), and O(triangles) for the first call; in a small part, O(triangles of the part * sites nearby).
     bool separate(std::array<std::uint32_t, 2> pair);
@@ -57,7 +57,7 @@ private:
         double sites;  ///< surplus or deficit of the site and its neighbours, in sites
         std::uint32_t site;
     };
-    /// A candidate place for a site in a small part.
+    /// A candidate position for a site in a small part.
     struct Position {
         double squared = 0;  ///< squared distance to the nearest other site
         std::uint32_t triangle = 0;

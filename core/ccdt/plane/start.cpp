@@ -26,7 +26,7 @@ constexpr std::size_t kSitesPerCell = 4;
 /// straits, which sites cannot cross.
 constexpr std::size_t kSitesPerCutCell = 1;
 
-/// Returns the place in [x0, x1] at which an increasing function has completed a given share of its rise over this
+/// Returns the position in [x0, x1] at which an increasing function has completed a given share of its rise over this
 /// interval. The function is linear between successive whole numbers.
 template <class Function>
 double invert(double x0, double x1, double share, Function&& function) {
@@ -73,7 +73,7 @@ int pixel_at(double v, int cells, int pixels) {
 struct Zone {
     double capacity = 0;
     double squared = 0;  ///< integral of the squared density
-    Point3 moment;       ///< integral of the density times the place
+    Point3 moment;       ///< integral of the density times the position
     double density() const { return capacity > 0 ? squared / capacity : 0; }
 };
 
@@ -303,8 +303,8 @@ double StartSites::density_at(double x, double y) const {
     return density_.value(pixel_at(x, columns_, density_.width()), pixel_at(y, rows_, density_.height()));
 }
 
-/// Returns the density at a place relative to the largest density in its grid cell. If the density is no finer than the
-/// grid, returns 1 where the density is positive, else 0.
+/// Returns the density at a position relative to the largest density in its grid cell. If the density is no finer than
+/// the grid, returns 1 where the density is positive, else 0.
 double StartSites::acceptance(double x, double y) const {
     if (density_.is_uniform()) return 1;
     const double value = density_at(x, y);

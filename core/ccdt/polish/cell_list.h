@@ -26,7 +26,8 @@ inline double cell_side(Point3 sides, double count) {
     return std::max(std::cbrt(sides.x * sides.y * sides.z / count), std::sqrt(face / count));
 }
 
-/// Finds the points near a place by means of a grid with about one cell per point. Each crowded cell has a nested grid.
+/// Finds the points near a position by means of a grid with about one cell per point. Each crowded cell has a nested
+/// grid.
 /// @tparam P  Point or Point3
 template <class P>
 class BasicCellList {

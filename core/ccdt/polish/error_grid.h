@@ -34,8 +34,8 @@ public:
     double at(Point site) const;
 
 private:
-    /// The 4 x 4 grid points around a place. `column` and `row` are those of the lower left point. `fraction` is the
-    /// offset of the place, in cells, from the point in the second row and column.
+    /// The 4 x 4 grid points around a position. `column` and `row` are those of the lower left point. `fraction` is the
+    /// offset of the position, in cells, from the point in the second row and column.
     struct Position {
         std::size_t column, row;
         Point fraction;

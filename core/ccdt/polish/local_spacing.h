@@ -9,9 +9,9 @@
 
 namespace ccdt {
 
-/// Computes the spacing of sites around a place, even where sites are far denser than in the rest of the box. The
+/// Computes the spacing of sites around a position, even where sites are far denser than in the rest of the box. The
 /// spacing follows from the mean density of a block of cells (1, 2 x 2, 4 x 4, ...): the smallest block that contains
-/// the place and wants at least one site.
+/// the position and wants at least one site.
 class LocalSpacing {
 public:
     /// @param sides    size of the box over which the density is stretched

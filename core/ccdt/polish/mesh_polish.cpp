@@ -53,10 +53,10 @@ Point MeshPolish::inside(Point p) const {
             std::clamp(p.y, kInside * sides.y, (1 - kInside) * sides.y)};
 }
 
-/// Returns the place nearest to `to` where a site may stand: in the domain's bounding box, in the site's zone of the
-/// density, and where the density is not 0. If the density has one zone and there is no such place within two spacings,
-/// the density is ignored.
-/// @param from     current place of the site
+/// Returns the position nearest to `to` at which a site may lie: in the domain's bounding box, in the site's zone of
+/// the density, and where the density is not 0. If the density has one zone and there is no such position within two
+/// spacings, the density is ignored.
+/// @param from     current position of the site
 /// @param spacing  returns the local spacing; called only if needed
 template <class Spacing>
 Point MeshPolish::allowed(Point from, Point to, Spacing&& spacing) const {

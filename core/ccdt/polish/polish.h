@@ -32,7 +32,7 @@ public:
         /// Restores the Delaunay property of the mesh, and makes the capacities of its triangles more equal by a number
         /// of passes. May be empty if the settings have no relax rounds.
         std::function<void(int passes)> equalise;
-        /// Relocates one site of each pair of near sites in a polygon to a place with more space. May be empty.
+        /// Relocates one site of each pair of near sites in a polygon to a position with more space. May be empty.
         std::function<void(std::span<const std::array<std::uint32_t, 2>> pairs)> separate = {};
     };
 

@@ -13,7 +13,7 @@
 
 namespace ccdt {
 
-/// Finds the nearest place with nonzero density, to keep sites out of regions without density, and in their zones of
+/// Finds the nearest position with nonzero density, to keep sites out of regions without density, and in their zones of
 /// the density (find_zones()).
 class Support {
 public:
@@ -27,15 +27,15 @@ public:
     bool has_gaps() const { return has_gaps_; }
 
     std::size_t zones() const { return zones_; }
-    /// Returns the zone at a place in the box.
+    /// Returns the zone at a position in the box.
     std::uint32_t zone(Point p) const;
 
     /// Returns a point with nonzero density, at most sqrt(2) times as far from p as the nearest such point. Returns p
     /// if the density at p is not 0, or if no such point is within reach. O(cells within reach).
     Point nearest(Point p, double reach) const { return find_nearest(p, reach, kAny).value_or(p); }
 
-    /// Returns the place nearest to `to`, with nonzero density, in the zone of `from`. If there is none that is as near
-    /// to `to` as `from` is, returns `from`. On a torus, both places may be outside the box.
+    /// Returns the position nearest to `to` that has nonzero density and is in the zone of `from`. Returns `from` if
+    /// all such positions are farther from `to`. On a torus, both arguments may be outside the box.
     Point nearest_in_zone(Point from, Point to) const;
 
     /// Returns p, moved away from the sides of its cell, if the density of the cell is not 0; else none.

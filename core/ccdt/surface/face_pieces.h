@@ -27,8 +27,8 @@ void for_face_pieces(std::uint32_t side, Use use, const std::stop_token& stop = 
 /// Source: Roberts 2018, "The unreasonable effectiveness of quasirandom sequences".
 inline constexpr double kFirstStep = 0.7548776662466927, kSecondStep = 0.5698402909980532;
 
-/// Returns the barycentric coordinates of the place in a triangle that belongs to a place in the unit square. Keeps
-/// ratios of areas.
+/// Maps a position in the unit square to a position in a triangle, given by barycentric coordinates. Keeps ratios of
+/// areas.
 inline std::array<double, 3> position_in_triangle(double u, double v) {
     if (u + v > 1) return {u + v - 1, 1 - u, 1 - v};
     return {1 - u - v, u, v};

@@ -54,7 +54,7 @@ std::vector<NarrowPiece<Point3>> find_pieces(const SurfaceTriangulation& mesh, c
     return find_narrow_pieces(mesh, sites_in, [&](std::uint32_t edge) { return mesh.twin(edge) == kNone; });
 }
 
-/// Returns the nearest piece of each place [positions]; kNone if no piece is very near.
+/// Returns the nearest piece to each position [positions]; kNone if no piece is very near.
 std::vector<std::uint32_t> nearest_pieces(const std::vector<NarrowPiece<Point3>>& pieces,
                                           std::span<const Point3> positions) {
     constexpr double kNear = 0.1;  // in spacings

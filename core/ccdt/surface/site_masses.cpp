@@ -56,7 +56,7 @@ SiteMasses::SiteMasses(const Surface& surface, const SurfaceDensity& density, do
 
 /// Appends the pieces of a part. They are similar to the part. If they would be much longer than the spacing, or if the
 /// density is uneven, the part is first divided across its longest edge. A long part of little mass is not divided; its
-/// piece lies at any place in it.
+/// piece may lie anywhere in it.
 void SiteMasses::divide(const Surface& surface, const SurfaceDensity& density, double capacity, const Part& part) {
     constexpr double kPiecesPerSite = 3;
     constexpr std::uint32_t kMaxSide = 8192;  // pieces along the side of a part
@@ -163,7 +163,7 @@ std::uint32_t SiteMasses::start_of(const SurfaceTriangulation& mesh, const Piece
         least = squared_distance(v);
         start = triangle;
     };
-    // The triangle may have moved to another place with a relocated site.
+    // The triangle may have moved to another position with a relocated site.
     if (piece.triangle < mesh.triangle_count()) {
         for (const std::uint32_t v : mesh.corners(piece.triangle)) try_at(v, piece.triangle);
     }

@@ -46,7 +46,7 @@ public:
     /// The next pushes move such sites apart, too.
     bool is_any_nearer(double least);
     /// Relocates one site of each pair that is_any_nearer() found and that pushes do not separate: the distance is much
-    /// less than `least`, or has hardly grown since the previous search. The new place is the middle of a nearby
+    /// less than `least`, or has hardly grown since the previous search. The new position is the middle of a nearby
     /// triangle, as far as possible from other sites. Every second call does nothing. Handles at most 16 pairs, plus
     /// one for each 256 sites. Only surfaces that are too rough for the spacing of the sites have more.
     void separate(double least);
@@ -82,7 +82,7 @@ private:
     std::vector<std::uint32_t> owner_;  ///< [vertices] owners() of the mesh at that time
     std::vector<double> spacings_;      ///< [sites] 1 / sqrt(wanted density of sites)
     std::vector<Point3> moves_;         ///< [sites]
-    std::optional<CellList3> cells_;    ///< places of the sites at the last search for near pairs
+    std::optional<CellList3> cells_;    ///< positions of the sites at the last search for near pairs
     std::vector<NearPair> near_, before_;  ///< sorted pairs that the last two searches have found
     std::size_t fewest_ = 0;               ///< least number of pairs in a search since the last removal of waves
     int separations_ = 0;                  ///< calls of separate()

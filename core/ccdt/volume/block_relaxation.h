@@ -23,7 +23,7 @@ namespace ccdt {
 /// The domain is divided into blocks, as by a k-d tree: planes divide the sites in two until no block has more
 /// than 10,000. Each block is triangulated separately, together with the sites around it and with copies of sites
 /// beyond the domain's border. So blocks can be processed in parallel, and only the triangulations of a few blocks are
-/// in memory at a time. While a block is relaxed, the sites around it keep their places. In every second call, the
+/// in memory at a time. While a block is relaxed, the sites around it keep their positions. In every second call, the
 /// first planes divide the sites 40 : 60, so that the blocks have other borders.
 /// @tparam Domain  BoxDomain3 or SolidDomain
 template <class Domain>

@@ -29,9 +29,9 @@ struct BoxDomain3 {
     bool contains(Point3) const { return true; }
     /// Returns a point in the domain.
     Point3 interior() const { return 0.5 * sides; }
-    /// Returns the place in the bounding box where the density at a copy is defined.
+    /// Returns the position in the bounding box where the density at a copy is defined.
     Point3 in_box(Point3 p) const { return inside(p); }
-    /// Returns the place in the domain where a move from a place in it to a place near it ends.
+    /// Returns the position in the domain at which a move ends, from a position in the domain to a position near it.
     Point3 moved(Point3 /*from*/, Point3 to) const { return inside(to); }
 
     /// Calls function(copy, is_original) for a point and its copies up to a distance from the domain. Along each axis,

@@ -44,7 +44,7 @@ double push_apart(const Domain& domain, const VolumeSpacing& spacing, std::span<
     for_ranges(executor, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) reaches[i] = reach * spacing.densest(sites[i]);
     });
-    std::vector<std::uint32_t> numbers(sites.size());  // [positions] site of each place
+    std::vector<std::uint32_t> numbers(sites.size());  // [positions] site of each position
     std::iota(numbers.begin(), numbers.end(), 0U);
     const auto list_positions = [&] {
         std::vector<std::vector<Copy>> copies(sites.size() / kSites + 1);

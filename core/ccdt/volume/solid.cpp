@@ -32,7 +32,8 @@ int edge_winding(Point3 from, Point3 to, Point3 p) {
     return up ? 1 : -1;
 }
 
-/// Returns the place where the line through p along x meets the plane of a triangle, within the triangle's extent.
+/// Returns the abscissa at which the line through p along x meets the plane of a triangle, within the triangle's
+/// extent.
 double crossing(const std::array<Point3, 3>& triangle, Point3 p) {
     const auto& [a, b, c] = triangle;
     const double u = projected_area(p, b, c), v = projected_area(p, c, a), w = projected_area(p, a, b);

@@ -36,8 +36,8 @@ public:
     /// Returns the nearest point in the bounding box.
     Point3 in_box(Point3 p) const;
 
-    /// Returns the place where a move ends: `to` if it is inside, or else its mirror image at the nearest point of the
-    /// surface. If the image is not inside either, which can happen in thin parts, the move is shortened.
+    /// Returns the position where a move ends: `to` if it is inside, or else its mirror image at the nearest point of
+    /// the surface. If the image is not inside either, which can happen in thin parts, the move is shortened.
     /// @param from  inside
     Point3 moved(Point3 from, Point3 to) const;
 

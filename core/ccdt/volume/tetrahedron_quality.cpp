@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kSweeps = 5;
 constexpr double kStep = 0.1;             ///< first length of a move, relative to the mean length of edges
-constexpr double kFarthest = 0.35;        ///< largest distance of a vertex from its first place, relative to edges
+constexpr double kFarthest = 0.35;        ///< largest distance of a vertex from its first position, relative to edges
 constexpr int kHalvings = 3;              ///< number of shorter moves that are tried next
 constexpr double kGood = -0.766;          ///< quality of tetrahedra that are kept: no angle is below 40 degrees
 constexpr double kMinGain = 1e-3;         ///< least gain of quality for which tetrahedra are replaced

@@ -13,8 +13,8 @@ namespace ccdt {
 /// Makes small dihedral angles larger: moves vertices, and replaces the tetrahedra around edges. The mesh fills the
 /// same domain as before, up to bends of a curved surface. It is no longer a Delaunay triangulation.
 /// @param periods  sides of a torus, which is at least six edges wide; 0 for other domains
-/// @param slide    returns the place to which a vertex may move instead of `to`: its own place if it is fixed, or a
-///                 place on the surface if the vertex lies there
+/// @param slide    returns the position to which a vertex may move instead of `to`: its own position if it is fixed, or
+///                 a position on the surface if the vertex lies there
 /// @param stop     polled regularly; a stop leaves a valid mesh
 ///
 /// Deterministic. O(tetrahedra), about 100 bytes per tetrahedron.

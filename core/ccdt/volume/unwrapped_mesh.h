@@ -9,7 +9,7 @@
 namespace ccdt {
 
 /// Unwraps the tetrahedra of a torus, for programs that do not support tori. The first corner of each tetrahedron keeps
-/// its place, and each other corner becomes its nearest periodic copy. Copies beyond the border are additional
+/// its position, and each other corner becomes its nearest periodic copy. Copies beyond the border are additional
 /// vertices.
 /// @param sides  sides of the torus
 /// @returns      none if the tetrahedra do not have the volume of the torus together: edges longer than half a side

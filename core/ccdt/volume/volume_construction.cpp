@@ -172,7 +172,7 @@ private:
             }
         }
     }
-    /// Returns a place relative to the sides of the bounding box.
+    /// Returns a position relative to the sides of the bounding box.
     Point3 in_box(Point3 p) const {
         return by_axis<Point3>([&](std::size_t axis) { return along(p, axis) / along(domain_.sides, axis); });
     }

@@ -51,7 +51,7 @@ public:
 
     std::span<const Point3> positions() const { return positions_; }
 
-    /// Number of the point of which a place is a copy.
+    /// Returns the number of the point of which a position is a copy.
     std::uint32_t number(std::uint32_t position) const { return numbers_[position]; }
 
     /// Adds the copy of a point that is nearest to the centre of a tetrahedron's circumsphere, if the copy lies in the

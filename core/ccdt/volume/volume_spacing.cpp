@@ -17,8 +17,8 @@ constexpr double kMany = 8, kShort = 0.5;
 constexpr int kSteps = 48;           ///< largest number of steps towards a side; usually, 5 suffice
 constexpr double kTolerance = 1e-3;  ///< largest error of the number of points in a cube
 
-/// Returns the side of the cube around a place that holds one point, as if the part of the cube outside the domain held
-/// as many points per volume as the part inside.
+/// Returns the side of the cube around a position that holds one point, as if the part of the cube outside the domain
+/// held as many points per volume as the part inside.
 double side_at(const BoxDomain3& domain, const VoxelDensity& density, double points, Point3 position) {
     const Point3 sides = domain.sides;
     const auto held = [&](double side) {

@@ -14,9 +14,9 @@
 
 namespace ccdt {
 
-/// The local spacing of points: the side of the cube around a place that holds one of the wanted points. If the density
-/// varies, sides are computed on a grid and interpolated. Where that is much too long for a voxel with many points, the
-/// spacing is that of the voxel's density.
+/// The local spacing of points: the side of the cube around a position that holds one of the wanted points. If the
+/// density varies, sides are computed on a grid and interpolated. If the interpolated side is much too long for a voxel
+/// with many points, the spacing follows from the density of the voxel alone.
 class VolumeSpacing {
 public:
     /// Largest distance at which another site pushes a site, relative to the site's own reach. It is a limit only where
@@ -34,8 +34,8 @@ public:
     bool is_uniform() const { return sides_.empty(); }
     double mean() const { return mean_; }  ///< the spacing if the density were uniform
 
-    /// Returns the spacing at a place in the domain, > 0. It is at most the cubic root of the domain's volume, and has
-    /// this value where the density is 0 all around.
+    /// Returns the spacing at a position in the domain, > 0. It is at most the cubic root of the domain's volume, and
+    /// has this value where the density is 0 all around.
     double side(Point3 p) const;
 
     /// Returns the distance of neighbours in the densest packing with the local density.

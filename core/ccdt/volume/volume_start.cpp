@@ -28,7 +28,7 @@ public:
           in_zone_(zones.count()),
           in_class_(zones.classes()) {}
 
-    /// Returns a place for a site, which is outside the domain or the density if none is found.
+    /// Returns a position for a site, which is outside the domain or the density if none is found.
     /// @param box  relative to the sides of the domain
     Point3 operator()(Box3 box, std::size_t site) {
         Random random(seed_, site);
@@ -68,9 +68,9 @@ private:
         return has_grown;
     }
 
-    /// Draws places in a box, and collects those in the domain where the density is positive. If there is only one
-    /// zone, one such place is enough.
-    /// @returns  the last place
+    /// Draws positions in a box, and collects those in the domain where the density is positive. If there is only one
+    /// zone, one such position is enough.
+    /// @returns  the last position
     Point3 search(const Box3& box, Random& random) {
         constexpr int kAttempts = 32;  // a site of a thin part of a solid is hard to find at random
         const Point3 sides = domain_.sides;
@@ -98,15 +98,15 @@ private:
         }
     }
 
-    /// Returns the density at a place, relative to that with which the place was drawn. They differ in a solid, because
-    /// a cell of `inside_` may contain parts of several voxels.
+    /// Returns the density at a position, relative to the density with which the position was drawn. They differ in a
+    /// solid, because a cell of `inside_` may contain parts of several voxels.
     double weight_at(Point3 p) const {
         constexpr double kMin = 1e-9;  // makes sums of weights positive
         const double drawn = inside_.at(p);
         return drawn > 0 ? std::max(density_.at(p) / drawn, kMin) : 1;
     }
 
-    /// The places found in a zone.
+    /// The positions found in a zone.
     struct Found {
         std::uint32_t zone;
         double weight;
@@ -121,7 +121,7 @@ private:
     std::vector<double> in_zone_;   ///< [zones] sites that the zone should have had so far, minus those that it has
     std::vector<double> in_class_;  ///< [classes] the same for the zones of a class
     std::vector<Found> found_;      ///< in the current cell
-    bool met_gap_ = false;          ///< whether a place in the domain had no density
+    bool met_gap_ = false;          ///< whether a position in the domain had no density
 };
 
 }  // namespace

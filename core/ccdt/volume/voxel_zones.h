@@ -20,7 +20,7 @@ public:
     VoxelZones(const VoxelDensity& density, bool periodic, double sites);
 
     std::size_t count() const { return classes_.size(); }
-    /// Returns the zone at a place, given relative to the sides of the box.
+    /// Returns the zone at a position, given relative to the sides of the box.
     std::uint32_t at(Point3 p) const { return zones_.empty() ? 0 : zones_[density_.voxel_at(p)]; }
 
     /// Number of classes. All zones of a class have about the same density.

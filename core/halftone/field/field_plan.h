@@ -65,7 +65,7 @@ struct FieldPlan {
     double sites = 0;            ///< number of sites that the radius or the number asks for; 0 for a picture of
                                  ///< bare paper and solid ink only
     bool is_limited = false;     ///< whether dots and holes have a smallest area, so that their spacing varies widely
-    double radius = 0;           ///< radius of dots that cover half of a place of luminance 1/2, in cells
+    double radius = 0;           ///< radius of dots that cover half of an area of luminance 1/2, in cells
 
     /// Mean distance of neighbouring sites, in cells: the side of a square of the mean area.
     double pitch() const;

@@ -44,7 +44,7 @@ std::vector<Point> mirrored(std::span<const Point> sites, const Box& box) {
     return points;
 }
 
-/// Returns the first cell whose centre is not before a place.
+/// Returns the first cell whose centre is not before a position.
 int first_centre(double position) {
     constexpr double kMax = 1e9;
     return static_cast<int>(std::ceil(std::clamp(position, 0.0, kMax) - 0.5));
@@ -55,7 +55,7 @@ Corners in_cells(Corners corners, const CellGrid& cells) {
     return corners;
 }
 
-/// An edge of a triangle, from its upper to its lower end. Triangles that share it find the same places on it.
+/// An edge of a triangle, from its upper to its lower end. Triangles that share it compute the same positions on it.
 struct Edge {
     Edge(Point upper, Point lower) : end(upper), slope((lower.x - upper.x) / (lower.y - upper.y)) {}
     double x(double y) const { return end.x + (y - end.y) * slope; }

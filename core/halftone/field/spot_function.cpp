@@ -45,7 +45,7 @@ double length(Point p) {
     return std::hypot(p.x, p.y);
 }
 
-/// Returns rays from a centre to places along a side, without distances.
+/// Returns rays from a centre to positions along a side; the distances are 0.
 Contour rays(Point centre, Point from, Point to) {
     Contour contour;
     for (std::size_t i = 0; i <= kRays; ++i) {
@@ -56,7 +56,7 @@ Contour rays(Point centre, Point from, Point to) {
     return contour;
 }
 
-/// Returns the distance from `centre`, along a ray, to the places whose distance to `other` is `ratio` times their
+/// Returns the distance from `centre`, along a ray, to the position whose distance to `other` is `ratio` times its
 /// distance to `centre`: a circle of Apollonius.
 double distance_to(Point centre, Point other, Point direction, double ratio) {
     const Point between = other - centre;
@@ -110,8 +110,8 @@ public:
         }
     }
 
-    /// Returns the share of the sixth that the contour through a place encloses.
-    /// @param edge  distance from the centre to the outermost contour in the direction of the place
+    /// Returns the share of the sixth that the contour through a position encloses.
+    /// @param edge  distance from the centre to the outermost contour in the direction of the position
     double share(Point position, double edge) const {
         // Solves log(scale) + scale^kRoundness log(edge / mean) = log(distance / mean) by Newton's method.
         constexpr int kSteps = 8;
@@ -134,7 +134,7 @@ private:
     std::array<double, kScales + 1> shares_{};  ///< share within the contours at steps of the scale
 };
 
-/// The spot function at places of the sixth.
+/// The spot function at positions in the sixth.
 class Values {
 public:
     double at(Point position) const {

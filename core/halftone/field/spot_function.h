@@ -9,10 +9,10 @@ namespace ccdt {
 
 /// The order in which ink fills the triangles between sites, from dots around the sites to holes at the centres.
 ///
-/// The spot function has a value in [0, 1] at each place of a triangle, given by barycentric coordinates. Its values
-/// are uniformly distributed: the places where it exceeds 1 - c cover exactly the share c of every triangle, whatever
-/// the triangle's shape, because barycentric coordinates keep ratios of areas. Its values along an edge do not depend
-/// on the triangle's third corner, so contours continue from triangle to triangle.
+/// The spot function has a value in [0, 1] at each position in a triangle, given by barycentric coordinates. Its values
+/// are uniformly distributed: the positions where it exceeds 1 - c cover exactly the share c of every triangle,
+/// whatever the triangle's shape, because barycentric coordinates keep ratios of areas. Its values along an edge do not
+/// depend on the triangle's third corner, so contours continue from triangle to triangle.
 ///
 /// Contours near the value 1 are circles around the corners, up to the deformation of the triangle. Contours near 0 are
 /// circles around the centroid. Dots of neighbouring corners join at the value 0.407.

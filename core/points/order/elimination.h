@@ -252,7 +252,7 @@ private:
     bool uniform_;
     Regions regions_;
     std::vector<std::uint32_t> remaining_;
-    std::span<const P> reference_;  ///< places of points that represent the wanted density
+    std::span<const P> reference_;  ///< positions of points that represent the wanted density
     std::vector<P> sparse_;         ///< storage for reference_, except while reference_ refers to points_
     Executor& executor_;
 

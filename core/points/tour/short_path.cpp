@@ -292,7 +292,7 @@ private:
         return false;
     }
 
-    /// Tries to move a run of stops to a place beside a stop near `a`.
+    /// Tries to move a run of stops to a position beside a stop near `a`.
     /// @param a            the run's first or last stop, which becomes adjacent to the nearby stop
     /// @param first, last  ends of the run
     /// @param length       number of stops in the run
