@@ -13,8 +13,8 @@
 namespace ccdt {
 namespace {
 
-/// Number of lines per task. This is more than vector instructions process at once. As many columns fill whole cache
-/// lines of a row.
+/// Number of lines per task. Vector instructions process fewer lines at once. In a row, the numbers of this many
+/// columns fill whole cache lines.
 constexpr std::size_t kLines = 16;
 
 struct Free {

@@ -30,8 +30,8 @@ std::vector<std::uint32_t> find_zones(const Density& density, bool periodic, dou
 std::vector<std::uint32_t> find_zones(const std::array<std::size_t, 3>& voxels, std::span<const float> values,
                                       bool periodic, double sites);
 
-/// Groups zones into at most 16 classes of about the same density: where the zones are sorted by density, a class ends
-/// before a density that is more than 1.2 times the previous one.
+/// Groups zones into at most 16 classes. The zones of a class have about the same density: in the order of density, a
+/// new class begins where the density is more than 1.2 times the previous one. The last class has all further zones.
 /// @param densities  mean density of each zone [zones], >= 0
 /// @returns          numbers of the zones in each class, from the least density to the largest
 std::vector<std::vector<std::uint32_t>> group_into_classes(std::span<const double> densities);

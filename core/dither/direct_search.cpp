@@ -43,7 +43,7 @@ public:
         }
     }
 
-    /// Makes the best change of a pixel, if one makes the visible error smaller.
+    /// Makes the change of a pixel that reduces the visible error most, if any change reduces it.
     /// @returns  whether the picture has changed
     bool visit(int x, int y) {
         static_assert(TileSweep::kTile >= 2 * (VisualError<Channels>::kReachInPixels + 1));

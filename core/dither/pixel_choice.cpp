@@ -65,7 +65,8 @@ private:
         return decide_one(first, decide(left, middle, right, bottom));
     }
 
-    /// Decides one of two pixels. The share of the other one becomes the rest of the sum of both shares.
+    /// Decides one of two pixels. The other pixel remains undecided; its share becomes the sum of both shares, minus 1
+    /// if the decided pixel is chosen.
     Undecided decide_one(const Undecided& a, const Undecided& b) {
         const double sum = a.share + b.share;
         if (sum <= 1) {

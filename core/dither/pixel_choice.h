@@ -13,8 +13,8 @@
 
 namespace ccdt {
 
-/// Computes how often sets of `count` pixels shall have each pixel: its share of the sets. The share of an included
-/// pixel is 1. Other shares are proportional to the density, except that none exceeds 1.
+/// Computes the share of each pixel: the probability that it belongs to a random set of `count` pixels. The share of an
+/// included pixel is 1. Other shares are proportional to the density, except that none exceeds 1.
 ///
 /// @param density   stretched over the raster, its first row over the top row
 /// @param included  [width * height] 1 for pixels that are always chosen, 0 for other pixels

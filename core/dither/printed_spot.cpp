@@ -7,7 +7,8 @@ namespace ccdt {
 
 PrintedSpot::PrintedSpot(double diameter) {
     assert(diameter >= kMinSpot && diameter <= kMaxSpot);
-    // Samples in a square that is split into 256 x 256. The count of those that exactly a set of discs covers.
+    // The square of a pixel has 256 x 256 samples. `counts` holds the number of samples that each set of discs covers,
+    // and no other disc.
     constexpr int kSamples = 256;
     std::array<int, kOutside> counts{};
     for (int row = 0; row < kSamples; ++row) {

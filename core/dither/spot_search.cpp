@@ -16,7 +16,7 @@ namespace ccdt {
 
 namespace {
 
-/// Squares around a pixel whose print an exchange with a neighbour may change: kSide x kSide.
+/// An exchange of a pixel with a neighbour may change the print in kSide x kSide squares around the pixel.
 constexpr int kReach = 2, kSide = 2 * kReach + 1;
 constexpr std::size_t kSquares = index(kSide * kSide);
 
@@ -110,7 +110,7 @@ public:
           height_(height),
           error_(residual(wanted, print_, width, executor), width, height, blur, executor) {}
 
-    /// Makes the best change of a pixel, if one makes the visible error smaller.
+    /// Makes the change of a pixel that reduces the visible error most, if any change reduces it.
     /// @returns  whether the picture has changed
     bool visit(int x, int y) {
         static_assert(TileSweep::kTile >= 2 * (VisualError<1>::kReachInPixels + kReach));

@@ -229,9 +229,10 @@ public:
         add_corner_after(reach);
     }
 
-    /// Returns the number of leading pieces whose neighbourhood, except at their last corner, one polygon can
-    /// represent; at least 1. The edges of such a run have similar directions, and their offset lines do not
-    /// degenerate. So the offset curve is a graph over the direction of the first edge, and does not cross itself.
+    /// Returns the number of leading pieces, at least 1, whose neighbourhoods one polygon can represent together. The
+    /// neighbourhood of the last corner is not included. The edges of such a run have similar directions, and their
+    /// offset lines do not degenerate. So the offset curve is a graph over the direction of the first edge, and does
+    /// not cross itself.
     static std::size_t simple_run(std::span<const Reach> pieces) {
         constexpr std::size_t kMax = 256;
         constexpr double kForward = 0.05;  // least cosine

@@ -7,7 +7,7 @@
 #include "core/geometry/point.h"
 #include "core/geometry/point3.h"
 
-// Positions along Morton's space-filling curve, which visits near points at near positions.
+// Positions along Morton's space-filling curve. Nearby points mostly have close positions on the curve.
 namespace ccdt {
 
 /// Returns the position of a point of the unit square, with 31 bits per coordinate.

@@ -97,7 +97,8 @@ void blur_rows(const BoxFilter& box, std::size_t width, float* rows, std::size_t
     }
 }
 
-/// Returns the weights of a Gaussian for both pixels at each distance. That of the middle, which is both, is halved.
+/// Returns the weight of a Gaussian at each distance, for each of the two pixels at this distance. The weight at
+/// distance 0 is halved, because the middle pixel counts as both.
 std::vector<float> gaussian(double sigma) {
     constexpr double kReach = 3;  // standard deviations
     std::vector<double> samples{0.5};

@@ -20,7 +20,7 @@ namespace ccdt {
 namespace {
 
 /// Divides the sites among the parts in proportion to the integrals of the parts' densities.
-/// @param taken  [parts] number of sites for which there would be space on the ground that fixed points take
+/// @param taken  [parts] ground that fixed points take, as a number of sites that would fit there
 std::vector<std::size_t> shared_out(std::size_t sites, const std::vector<PlaneDensity>& densities,
                                     const std::vector<double>& taken) {
     double all = 0, positions = static_cast<double>(sites);

@@ -47,7 +47,7 @@ struct Progress {
     std::optional<double> variation = {};
     int round = 0;   ///< rounds of the polish completed
     int rounds = 0;  ///< number of rounds of the polish
-    /// Completed share of a work that also has other steps, such as decoding. None: the sites are the whole work.
+    /// Completed share of a computation that also has other steps, such as decoding. None: there are no other steps.
     std::optional<double> share = {};
 
     /// Returns the completed share of the work, in (0, 1) and never decreasing. The share is an estimate: the start

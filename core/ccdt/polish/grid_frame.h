@@ -20,7 +20,7 @@ struct GridFrame {
     P sides;
     std::array<int, 3> cells{};  ///< without the margin
 
-    /// Returns the number of periods along an axis of the wave with the lowest frequency.
+    /// Returns the number of periods that the wave with the lowest frequency has along an axis.
     double periods() const { return torus ? 1 : 0.5; }
     P cell() const {
         return by_axis<P>([&](std::size_t axis) { return along(sides, axis) / cells[axis]; });
@@ -33,7 +33,7 @@ struct GridFrame {
     /// Number of cells with the margin.
     std::size_t padded(std::size_t axis) const { return static_cast<std::size_t>(cells[axis]) + 2 * margin(axis); }
     std::size_t padded_lines() const { return padded(1) * padded(2); }
-    /// Returns the index of a line that is not in the margin among all lines.
+    /// Converts the index of a line among the lines without the margin to its index among all lines.
     std::size_t padded_line(std::size_t line) const {
         const auto rows = static_cast<std::size_t>(cells[1]);
         return (margin(2) + line / rows) * padded(1) + margin(1) + line % rows;

@@ -165,8 +165,9 @@ struct BorderGoals {
 /// Returns the sums over all triangles, and the goals of the triangles with a corner that is not a free site.
 /// @param reached_by, weight_of  return the capacity and the weight of a triangle, in units of half a site's capacity
 /// @param in_row                 [sites] whether a site lies in a row with equal capacities; may be empty. Triangles
-///                               whose sites all do count as even: targets assume that rows continue beside a row, so
-///                               where the domain is narrower than the spacing, they would tell its width
+///                               all of whose sites lie in rows count as even. Targets assume further rows beside a
+///                               row; where the domain is narrower than the spacing, the capacities would only show its
+///                               width
 template <class Mesh, class ReachedBy, class WeightOf>
 BorderGoals find_border_goals(const Mesh& mesh, ReachedBy&& reached_by, const WeightOf& weight_of,
                               std::span<const std::uint8_t> in_row = {}) {

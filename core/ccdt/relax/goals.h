@@ -43,7 +43,7 @@ double set_goals(const Triangulation& mesh, double total, double densest, const 
 /// Sets the goals in compact form, and returns the capacity variation; see the first overload. If few triangles have
 /// goals of their own, the memory of `capacities` is reused for the weights of the other triangles.
 /// @param in_row  [sites] whether a site lies in a row with equal capacities; may be empty. In the variation, triangles
-///                whose sites all do count as even; see find_border_goals()
+///                all of whose sites lie in rows count as even; see find_border_goals()
 double set_goals(const Triangulation& mesh, double total, double densest, std::vector<double> capacities,
                  TriangleGoals& goals, std::span<const std::uint8_t> in_row = {});
 

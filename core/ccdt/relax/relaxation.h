@@ -119,8 +119,9 @@ private:
         return 2 + 2 * pairs + (kind % 2 == 1 ? 0 : 2 * pairs);
     }
 
-    /// A vertex and its one-ring, for the general path: the neighbours counter-clockwise, and the triangle between each
-    /// neighbour and the next one. The one-ring of a border vertex ends with a neighbour that has no triangle after it.
+    /// A vertex and its one-ring, for the general path, which moves one vertex at a time: the neighbours
+    /// counter-clockwise, and the triangle between each neighbour and the next one. The one-ring of a border vertex
+    /// ends with a neighbour that has no triangle after it.
     struct Fan {
         std::uint32_t vertex;
         std::uint32_t first;  ///< index of the first entry of the one-ring in the lists of Fans

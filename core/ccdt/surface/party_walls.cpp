@@ -107,8 +107,9 @@ private:
         }
     }
 
-    /// Drops the matches of walls that have no border, or end freely: at an edge that they share with fewer or more
-    /// than two other faces, or with two faces of one patch, which is the border of a sheet.
+    /// Drops the matches of walls that do not end everywhere at two other parts. A wall ends freely at an edge that it
+    /// does not share with exactly two other faces, or that it shares with two faces of one patch, as at the border of
+    /// a sheet. Walls without any border are dropped, too.
     void drop_free_walls() {
         std::vector<std::uint32_t> parents(patches_.size());
         std::iota(parents.begin(), parents.end(), 0U);

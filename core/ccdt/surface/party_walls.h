@@ -23,8 +23,8 @@ struct CrowdedSide {
 };
 
 /// Finds walls between two parts of a surface, such as the common face of two boxes: two plane patches of faces with
-/// the same border and opposite orientations, which may be divided differently. Along the border of a wall, two faces
-/// of different parts share each edge with it. So the two sides of a sheet are not a wall.
+/// the same border and opposite orientations, which may be divided differently. Each edge on the border of a wall also
+/// belongs to two other faces, one of each part. So the two sides of a thin sheet are not a wall.
 /// @param sides  all sides of edges that more than two faces share
 ///
 /// Returns the faces of both sides of the walls. Deterministic. O(faces + sides log sides).

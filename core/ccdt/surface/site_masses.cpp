@@ -29,7 +29,7 @@ struct SiteMasses::Part {
     std::array<std::array<double, 3>, 3> corners;  ///< barycentric coordinates
     double area;
     double mass;       ///< upper bound, in sites
-    double cells = 0;  ///< pieces of the density in it, if it is much denser in some than in others
+    double cells = 0;  ///< number of pieces of the density in it if their densities differ much; else 0
 
     SurfacePoint at(const std::array<double, 3>& weights) const {
         SurfacePoint point{face, {0, 0, 0}};
@@ -44,8 +44,8 @@ SiteMasses::SiteMasses(const Surface& surface, const SurfaceDensity& density, do
     for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
         const double mass = density.mass(surface, f) / capacity;
         if (!(mass > 0)) continue;
-        // In a face that follows a picture, the pieces are small enough where the density is highest. If it is high in
-        // a small part of the face only, pieces of this size in the whole face would be too many.
+        // In a face with a picture, the pieces are small enough for the highest density. If the density is high in a
+        // small part of the face only, pieces of this size in the whole face would be too many.
         constexpr double kUneven = 8;
         const double area = surface.area(f), side = density.side(f);
         const double most = side > 1 ? density.largest(f) * area / capacity : mass;

@@ -201,7 +201,7 @@ std::vector<std::uint32_t> SitePolish::wide_triangles(std::uint32_t site) const 
     constexpr std::size_t kVisited = 150;  // about the triangles within five spacings
     constexpr std::size_t kMax = 16;
     constexpr double kPerDistance = 0.02;  // penalty for long moves, which disturb long waves more
-    // As far as the middle of a triangle of the hexagonal pattern is from its corners, in spacings. In strips of two
+    // Distance from the middle of a triangle of the hexagonal pattern to its corners, in spacings. In strips of two
     // rows, triangles are narrower, and sites relocated there would stay near others.
     constexpr double kMin = 0.62;
     std::vector<std::uint32_t> visited;

@@ -40,9 +40,9 @@ public:
     void even_out_together() {}  // there is only one ink
     void restore() { mesh_.restore_delaunay(stop_); }
     /// Whether any two sites are nearer to each other than `least`, relative to the hexagonal distance, and further
-    /// pushes are useful. They are not if twelve successive calls since the last removal of waves have not found fewer
-    /// such pairs than before. Also finds sites that no edge joins, unless they are on different sides of a thin plate
-    /// or on parallel sheets that are different components.
+    /// pushes are useful. Pushes count as useless after twelve successive calls, since the last removal of waves, that
+    /// did not find fewer such pairs. Also finds sites that no edge joins, unless they are on different sides of a thin
+    /// plate or on parallel sheets that are different components.
     /// The next pushes move such sites apart, too.
     bool is_any_nearer(double least);
     /// Relocates one site of each pair that is_any_nearer() found and that pushes do not separate: the distance is much
@@ -50,9 +50,10 @@ public:
     /// triangle, as far as possible from other sites. Every second call does nothing. Handles at most 16 pairs, plus
     /// one for each 256 sites. Only surfaces that are too rough for the spacing of the sites have more.
     void separate(double least);
-    /// Moves sites apart that the last call of is_any_nearer() found and that other steps cannot separate: where a tip
-    /// is thinner than the spacing, triangles cannot follow the surface. The sites follow the surface, but the mesh
-    /// does not change. Sites beside borders and creases stay where they are, unless they are very near to another one.
+    /// Moves apart the sites that the last call of is_any_nearer() found and that other steps cannot separate. Such
+    /// sites lie at tips that are thinner than the spacing, where triangles cannot follow the surface. The sites follow
+    /// the surface, but the mesh does not change. Sites beside borders and creases stay where they are, unless they are
+    /// very near to another one.
     /// @returns  the new points of all sites; none if no two sites that can move are very near to each other at a tip
     std::optional<std::vector<SurfacePoint>> spread(double least) const;
     void retouch() {}

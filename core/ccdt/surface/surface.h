@@ -84,7 +84,8 @@ public:
     }
     double area(std::uint32_t face) const { return faces_[face].area; }
     double total_area() const { return total_area_; }
-    /// Normal of unit length. A face without area has the normal of the next face with an area across longest edges.
+    /// Normal of unit length. A face without area has the normal of the first face with an area that is reached across
+    /// longest edges.
     Point3 normal(std::uint32_t face) const { return faces_[face].normal; }
     /// Mean normal of the faces around a vertex, weighted by their angles. Unit length.
     Point3 vertex_normal(std::uint32_t vertex) const { return normals_[vertex]; }

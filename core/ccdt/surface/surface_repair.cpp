@@ -370,8 +370,9 @@ std::span<const std::uint32_t> Connector::faces_of(const Component& component) c
     return std::span(component_faces_).subspan(component.begin, component.end - component.begin);
 }
 
-/// Turns closed components that are inside out. A component inside another one may be a cavity, so it keeps its
-/// orientation; if the outermost one around it is turned, components alternate between bodies and cavities.
+/// Turns closed components that are inside out. A component inside another one may be a cavity, so it usually keeps its
+/// orientation. But if the outermost component around it is turned, the components inside are turned such that bodies
+/// and cavities alternate.
 void Connector::turn_closed(std::vector<Component>& components) const {
     std::vector<std::uint32_t> closed;
     for (std::uint32_t i = 0; i < components.size(); ++i) {

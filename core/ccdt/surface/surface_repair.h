@@ -46,9 +46,9 @@ struct ConnectedTriangles {
 /// triangles, the first remains. Walls between two parts, such as the common face of two boxes, are removed.
 /// If more than two triangles share an edge, the pairs that bound the inside remain connected. If the orientations
 /// contradict each other, none of these triangles remain connected, and the edge becomes a border. The surface is also
-/// cut along edges that prevent a consistent orientation. Of connected triangles, the fewer are turned. Then a closed
-/// surface is turned as a whole if it encloses a negative volume, unless it is inside another closed surface, because
-/// it may bound a cavity. A vertex with several fans becomes several vertices.
+/// cut along edges that prevent a consistent orientation. Of connected triangles with different orientations, the
+/// minority is turned. Then a closed surface is turned as a whole if it encloses a negative volume, unless it is inside
+/// another closed surface, because it may bound a cavity. A vertex with several fans becomes several vertices.
 ///
 /// CGAL's orient_polygon_soup() is similar, but its time is quadratic in the number of triangles at a vertex, and it
 /// does not report all cuts.

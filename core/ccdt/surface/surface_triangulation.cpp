@@ -348,9 +348,9 @@ double SurfaceTriangulation::squared_length(std::uint32_t a, std::uint32_t b) co
     return dot(vector, vector);
 }
 
-/// Whether the angles opposite to an edge add up to more than 180 degrees. Beside sharp edges, where the angles in
-/// space mean nothing and those of unfolded triangles contradict each other: whether the flip makes the edge shorter on
-/// the surface. So flips end.
+/// Whether the angles opposite to an edge add up to more than 180 degrees. Beside sharp edges, angles in space mean
+/// nothing, and angles of unfolded triangles contradict each other. There, returns whether the flip makes the edge
+/// shorter on the surface, so that flips end.
 bool SurfaceTriangulation::wants_flip(std::uint32_t edge) const {
     constexpr double kTolerance = 1e-9;  // of the sine of the sum; prevents endless flips of four points on a circle
     const std::uint32_t a = links_.origin(edge), b = links_.target(edge);

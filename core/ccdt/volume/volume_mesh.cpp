@@ -86,8 +86,8 @@ private:
         double radius;
     };
 
-    /// Returns a sphere through the corners of a tetrahedron. If it is wider than the torus, returns a sphere within it
-    /// that contains copies of all points; none if the tetrahedron is flat.
+    /// Returns the circumsphere of a tetrahedron. If it is wider than the torus, returns a smaller sphere within it
+    /// that contains copies of all points. Returns none if the tetrahedron is flat.
     std::optional<Sphere> circumsphere(const Tetrahedron& tetrahedron) const {
         const Point3 a = positions_[tetrahedron[0]];
         const Point3 u = positions_[tetrahedron[1]] - a, v = positions_[tetrahedron[2]] - a,
@@ -101,8 +101,8 @@ private:
         return Sphere{a + to_centre, std::min({radius, distance(u), distance(v), distance(w)})};
     }
 
-    /// Whether all copies in a sphere are known, for a sphere in the domain and the part of the rim that all points
-    /// have.
+    /// Whether all copies in a sphere are known. All copies are known in the domain and in a rim around it, so the
+    /// sphere must lie there.
     bool is_known(const Sphere& sphere) const {
         const auto fits = [&](double centre, double side) {
             return centre - sphere.radius >= -known_ && centre + sphere.radius <= side + known_;

@@ -13,8 +13,8 @@ namespace ccdt {
 
 namespace {
 
-/// Draws sites in cells. Carries the difference between the share of a cell's mass in each zone and the sites drawn
-/// there from site to site, and does the same for classes of zones, so that each gets its number of sites.
+/// Draws sites in cells, so that each zone and each class of zones gets its number of sites. For this purpose, keeps
+/// account of the sites that each zone and each class should have had so far, minus the sites drawn there.
 template <class Domain>
 class SiteDraw {
 public:

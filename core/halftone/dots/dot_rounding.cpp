@@ -79,8 +79,8 @@ private:
     }
 
     void pass_inwards(std::size_t pixel) {
-        // A pixel of less than a half is covered only if it has received a whole pixel, and one of more is bare only if
-        // it has given all.
+        // A pixel with a share of at most a half is covered only if it has received enough for a whole pixel. Any other
+        // pixel is bare only if it has passed on its whole share.
         const float least = shares_[pixel] <= kFull / 2 ? kFull - 1 : 0;
         const float rounded = must_cover(pixel) || values_[pixel] > least ? kFull : 0, error = values_[pixel] - rounded;
         const auto for_receivers = [&](const auto& visit) {

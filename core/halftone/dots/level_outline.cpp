@@ -148,7 +148,7 @@ private:
 float inside_share(const std::array<float, 4>& levels) {
     const auto inside = static_cast<int>(std::ranges::count_if(levels, [](float level) { return level <= 0; }));
     if (inside == 0 || inside == 4) return static_cast<float>(inside) / 4;
-    // Area of the triangle at a corner whose side differs from that of its neighbours.
+    // Area of the triangle that the boundary cuts off at a corner. The neighbours of the corner lie on the other side.
     const auto triangle = [&](std::size_t corner) {
         const float own = levels[corner], next = levels[(corner + 1) % 4], before = levels[(corner + 3) % 4];
         return own / (own - next) * (own / (own - before)) / 2;
@@ -181,7 +181,7 @@ std::vector<float> outlined_shares(std::span<const float> level, const CellGrid&
     const auto at = [&](std::size_t x, std::size_t y) {
         return level[std::min(y, rows - 1) * columns + std::min(x, columns - 1)];
     };
-    // Squares of a row, whose first and last one reach to the border.
+    // Computes the shares of a row of squares. The first and the last square reach to the border.
     const auto squares = [&](std::size_t y, std::vector<float>& out) {
         const std::size_t upper = y > 0 ? y - 1 : 0;
         for (std::size_t x = 0; x <= columns; ++x) {

@@ -22,8 +22,8 @@ namespace ccdt {
 /// the mean of the four corners decides.
 std::vector<std::vector<Point>> outline_of(std::span<const float> level, const CellGrid& cells);
 
-/// Returns the share of each cell that the rings enclose, as a mean over the four squares between it and its neighbours
-/// [columns * rows].
+/// Returns the approximate share of each cell that the rings of outline_of() enclose [columns * rows]: the mean of the
+/// enclosed shares of the four squares that have a corner at the centre of the cell.
 std::vector<float> outlined_shares(std::span<const float> level, const CellGrid& cells,
                                    Executor& executor = inline_executor());
 

@@ -18,8 +18,8 @@ struct Collapse {
     Point position;
 };
 
-/// Returns the area of the two equal triangles between a chain that leads from `from` over the line `first`, `second`,
-/// and the line from `from` to `to`.
+/// Returns the area of each of the two equal parts that lie on different sides of the segment `from`-`to`, between this
+/// segment and a chain from `from` to `to` along the line through `first` and `second`.
 double displaced(Point from, Point to, Point first, Point second) {
     const Point way = to - from, edge = second - first;
     const double slope = cross(way, edge);

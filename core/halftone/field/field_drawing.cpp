@@ -23,7 +23,7 @@ std::size_t size_of(const CellGrid& cells) {
     return static_cast<std::size_t>(cells.columns) * static_cast<std::size_t>(cells.rows);
 }
 
-/// Positions of the centres of cells of one grid between those of another one, along both axes.
+/// Interpolates the values of one grid at the centres of the cells of another grid.
 class Resampling {
 public:
     /// Both grids cover the same box.
@@ -32,7 +32,7 @@ public:
                      static_cast<double>(from.rows) / to.rows) {}
 
     /// Both grids have a common upper left corner.
-    /// @param across, down  size of the cells of `to`, in those of `from`
+    /// @param across, down  size of a cell of `to`, in cells of `from`
     Resampling(const CellGrid& from, const CellGrid& to, double across, double down)
         : from_(from), is_identity_(from == to) {
         for (int x = 0; x < to.columns; ++x) across_.emplace_back((x + 0.5) * across, from.columns);
@@ -78,7 +78,8 @@ public:
                               [&](std::size_t i) { return static_cast<double>(plan.density[i]); }) /
                 static_cast<double>(plan.density.size())) {}
 
-    /// Returns the spacing around each cell of a grid, in its cells, within limits.
+    /// Returns the spacing of sites around each cell of a grid, in cells of this grid. The spacings are limited to a
+    /// range around the mean spacing.
     std::vector<float> in(const CellGrid& grid) const {
         constexpr double kNarrow = 0.7, kWide = 1.4, kWideIfLimited = 4;
         const double pitch = std::sqrt(static_cast<double>(size_of(grid)) / std::max(plan_.sites, 1.0));
@@ -249,7 +250,7 @@ public:
     }
 
     /// Measures the error of the ink, and moves the threshold.
-    /// @param ink  [cells] share of ink; empty: as the threshold and the slope have it
+    /// @param ink  [cells] share of ink; empty: it follows from the threshold and the slope
     void round(std::span<const float> ink, ErrorBlur& blur, double reach, float gain) {
         const auto columns = static_cast<std::size_t>(cells_.columns);
         const auto errors = [&](std::size_t y, float* row) {
@@ -405,8 +406,8 @@ CellGrid fit_cells(const FieldPlan& plan, const CellGrid& canvas) {
     return {along(canvas.columns), along(canvas.rows)};
 }
 
-/// Returns cells in which outlines are precise: kPixelsOfPitch to the spacing of sites, and at least those of the plan,
-/// but at most 16 million.
+/// Returns cells in which outlines are precise: kPixelsOfPitch cells per spacing of sites, and at least as many cells
+/// as the plan has, but at most 16 million.
 CellGrid outline_cells(const FieldPlan& plan) {
     constexpr double kMax = 16e6;
     const double cells = static_cast<double>(plan.cells.columns) * plan.cells.rows;

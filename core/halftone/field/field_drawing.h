@@ -34,11 +34,11 @@ public:
     FieldDrawing(const FieldPlan& plan, std::span<const Point> sites, const std::optional<CellGrid>& canvas,
                  const std::stop_token& stop = {}, Executor& executor = inline_executor());
 
-    /// Draws the darker side of each channel. If the plan has sets of inks, the darker side of a boundary contains that
-    /// of the boundary before.
+    /// Draws the darker side of each channel. If the plan has sets of inks, each channel is a boundary between two
+    /// sets, and its darker side contains the darker side of the previous boundary.
     ///
-    /// @param antialias  if false, pixels are 0 or 255. Where triangles have few pixels, rims are then rounded by
-    ///                   round_dots(), so that tones stay exact.
+    /// @param antialias  if false, pixels are 0 or 255. If triangles have few pixels, round_dots() then rounds the
+    ///                   coverage of the pixels, so that tones stay exact.
     /// @returns          [channels]
     std::vector<Raster> rasters(int width, int height, bool antialias) const;
 

@@ -62,7 +62,7 @@ struct FieldPlan {
     /// are independent of each other.
     std::vector<unsigned> sets;
     std::vector<float> density;  ///< [cells] sites per cell, up to a factor
-    double sites = 0;            ///< number of sites that the radius or the number asks for; 0 for a picture of
+    double sites = 0;            ///< number of sites, as requested or from the radius; 0 for a picture of
                                  ///< bare paper and solid ink only
     bool is_limited = false;     ///< whether dots and holes have a smallest area, so that their spacing varies widely
     double radius = 0;           ///< radius of dots that cover half of an area of luminance 1/2, in cells
@@ -84,9 +84,9 @@ double minority_area(const std::vector<std::vector<float>>& light, Executor& exe
 
 /// Plans the sites of a drawing.
 ///
-/// The density is that at which a pattern of dots is least visible, if its contrast after a blur is c V exp(-k rho) for
-/// rho dots that cover the share c, and V is the slope of lightness: proportional to log(1 + c V / mu). In shadows,
-/// where there are two holes for each site, it is smaller.
+/// The density makes the pattern of dots least visible: it is proportional to log(1 + c V / mu), where the dots cover
+/// the share c, and V is the slope of lightness. This assumes that the contrast of a pattern with the density rho is c
+/// V exp(-k rho) after a blur. In shadows, which have two holes for each site, the density is smaller.
 ///
 /// @param light  [1 or 3][cells] linear light, in [0, 1]
 /// @param stop   polled between steps; after a stop the plan must not be used

@@ -16,7 +16,7 @@ const double kHeight = 1 / (2 * std::sqrt(3.0));
 const Point kMiddle{0.5, 0}, kCentroid{0.5, kHeight};
 const double kArea = kHeight / 4;
 
-// At this share, dots are rounded, and at this share of holes, holes.
+// Dots become round below the first share of ink, and holes below the second share of paper.
 constexpr double kRoundDots = 0.57, kRoundHoles = 0.4;
 
 constexpr std::size_t kRays = 64;
@@ -26,7 +26,8 @@ struct Contour {
     std::array<Point, kRays + 1> directions;  ///< of length 1
     std::array<double, kRays + 1> distances{};
 
-    /// Returns the area within the contour, divided by that of the sixth, if the distances are changed by a function.
+    /// Returns the area within a contour with other distances, divided by the area of the sixth.
+    /// @param distance_at  returns the new distance for a distance of this contour
     template <class Function>
     double share(const Function& distance_at) const {
         double twice = 0;

@@ -49,7 +49,7 @@ public:
         return mixture;
     }
 
-    /// Returns the colours of all nodes between which the table interpolates at some colours, each once.
+    /// Returns the colours of the nodes that the interpolation at any of `lights` uses, each once.
     /// @param lights  in [0, 1]
     std::vector<Light> nodes_of(const std::vector<Light>& lights) const {
         std::vector<bool> is_used(kNodes);

@@ -32,7 +32,7 @@ public:
     /// @param wanted  colour in [0, 1]
     Shares shares(const Light& wanted) { return table_(wanted); }
 
-    /// Returns the colours between whose shares the table interpolates at some colours.
+    /// Returns the colours whose shares shares() interpolates for any of `colours`, each once.
     std::vector<Light> nodes_of(const std::vector<Light>& colours) const { return table_.nodes_of(colours); }
 
     /// Returns the shares without interpolation in the table.
