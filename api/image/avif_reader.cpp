@@ -19,9 +19,9 @@ namespace {
 
 using Decoder = std::unique_ptr<avifDecoder, decltype(&avifDecoderDestroy)>;
 
-/// Returns a copy of a file that version 0.11 of the library reads: the last box states its size, and tracks are
-/// hidden, because those without width and height, such as sound, are refused. Returns an empty string if the file has
-/// neither.
+/// Returns a copy of a file that version 0.11 of the library reads. In the copy, the last box states its size, and
+/// tracks are hidden, because the library refuses tracks without width and height, such as sound. Returns an empty
+/// string if the file needs no change.
 std::string repair(std::string_view bytes) {
     std::string copy;
     const auto write = [&](std::size_t at, std::string_view text) {

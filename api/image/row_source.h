@@ -27,7 +27,7 @@ struct RowSource {
     bool premultiplied = false;
     Curve curve = Curve::Srgb;
     float gamma = 1;  ///< exponent of Curve::Gamma
-    /// Declared by the coded picture. They apply if the file around it declares no colours.
+    /// Code points that the coded picture declares. They apply if the file around it declares no colours.
     std::optional<ColourTags::CodePoints> code_points = {};
     int orientation = 1;  ///< orientation of EXIF, 1 to 8; other values are treated as 1, upright
     int step = 1;         ///< preferred number of rows to read at once

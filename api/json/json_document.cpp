@@ -33,7 +33,7 @@ tl::unexpected<Error> invalid_at(std::size_t position, std::string_view reason =
                                              (reason.empty() ? "" : ": ") + std::string(reason));
 }
 
-/// Returns the reason of an error of the parser if users may not see it at the position of the error.
+/// Returns the reason of a parser's error, for errors whose position alone does not tell the reason; empty for others.
 /// @param rest     text from the error on
 /// @param message  message of the parser
 std::string_view reason_of(std::string_view rest, std::string_view message) {

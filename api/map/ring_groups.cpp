@@ -66,7 +66,7 @@ Point inner_point(const Ring& ring, double scale) {
 
 /// Outer rings of a shape. Their edges are sorted by their lower ends, and the upper ends are stored as maxima of
 /// blocks of edges, whose size doubles from level to level. So the edges that cross a horizontal line are found without
-/// the others.
+/// a visit to all edges.
 class OuterRings {
 public:
     /// @param outers  indices of the outer rings

@@ -12,7 +12,8 @@ namespace ccdt::api {
 /// Returns the kind of a body for messages: a noun phrase such as "a picture (PNG)".
 std::string kind_of_body(std::string_view body);
 
-/// Returns whether a body is binary data without any line end or zero byte. No valid file of a binary format is.
+/// Returns whether a body is binary data without any line end or zero byte. Valid files of binary formats contain such
+/// bytes.
 bool is_stripped(std::string_view body);
 
 /// Returns the kind of a JSON body that is not a list of options: GeoJSON, TopoJSON or a glTF; otherwise empty.

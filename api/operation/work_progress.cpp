@@ -11,7 +11,8 @@
 namespace ccdt::api {
 namespace {
 
-/// Share of the start in the moves. The numbers of iterations and rounds are not known yet.
+/// Estimated share that the start has in moving the points. It is needed while the numbers of iterations and rounds are
+/// not known yet.
 constexpr double kStart = 0.1;
 
 /// Share that the last step approaches.

@@ -47,8 +47,8 @@ Estimate drawing_cost(const PointFormat& format, const Estimate& raster, double 
 }
 
 double largest_answer(const PointFormat& format, double sites, double pixels, const Estimate& turns, bool mesh) {
-    // Measured: 46 bytes of numbers with an exponent, 34 more than `least` of a Feature; 62 bytes of a circle in PDF;
-    // 73 bytes of triangles. The pixels of an ink have one byte before they are compressed.
+    // Measured bytes per site: 46 for numbers with an exponent, which is 34 more than `least` for a Feature; 62 for a
+    // circle in PDF; 73 for triangles. The pixels of an ink have one byte before they are compressed.
     constexpr double kHead = 16'384, kNumbers = 60, kShape = 80, kTriangles = 100;
     if (format.raster() != nullptr) return kHead + pixels;
     if (format.vector() != nullptr) return kHead + kShape * sites + turns.bytes;

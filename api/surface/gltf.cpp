@@ -90,7 +90,7 @@ public:
     /// The instances of meshes in the scene, parents first.
     const std::vector<Instance>& instances() const { return instances_; }
 
-    /// Computes the matrices of all nodes relative to the scene. Nodes that are their own ancestors have none.
+    /// Computes the matrices of all nodes relative to the scene. Nodes that are their own ancestors have no matrix.
     std::vector<Affine> matrices() const {
         const auto& values = gltf_.array("nodes");
         std::vector<Affine> matrices(values.size());

@@ -171,7 +171,7 @@ std::optional<std::size_t> GltfDocument::count(Value value) const {
 }
 
 std::vector<std::string_view> GltfDocument::unknown_extensions() const {
-    // Extensions of these names do not change the geometry, or are read.
+    // Prefixes of extensions that this project reads or that do not change the geometry.
     constexpr auto kKnown = std::to_array<std::string_view>(
         {"KHR_materials_", "KHR_texture_", "EXT_texture_", "MSFT_texture_", "MSFT_packing_", "KHR_lights_",
          "EXT_lights_", "KHR_animation_", "KHR_xmp", "KHR_mesh_quantization"});

@@ -26,7 +26,7 @@ struct Keyword {
     bool has_colours = false;
     bool has_normals = false;
     bool is_three_dimensional = true;
-    bool has_usual_order = true;  ///< ST, C, N; otherwise, programs disagree on the order of the numbers
+    bool has_usual_order = true;  ///< order ST, C, N; programs disagree about other orders
     std::string_view number;      ///< that follows without a blank
 };
 

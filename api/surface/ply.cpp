@@ -304,7 +304,8 @@ private:
         return is_strip ? add_strip(position) : sink_.face(corners_, position);
     }
 
-    /// Adds the triangles of a strip. Those that only connect two parts have two equal corners.
+    /// Adds the triangles of a strip. Triangles that only connect two parts of the strip have two equal corners, and
+    /// are left out.
     Result<void> add_strip(const FacePlace& position) {
         for (std::size_t i = 2; i < corners_.size(); ++i) {
             const std::uint32_t a = corners_[i - 2 + i % 2], b = corners_[i - 1 - i % 2], c = corners_[i];

@@ -50,8 +50,8 @@ struct PlyHeader {
 /// Source: Turk, The PLY Polygon File Format.
 Result<PlyHeader> read_ply_header(std::string_view file);
 
-/// Reads a PLY. Elements may be in any sequence. Those other than vertex, face and tristrips, and properties that are
-/// not used, are skipped. Used are positions, colours and texture coordinates of vertices, and the list of corners.
+/// Reads a PLY. Elements may be in any sequence. Reads the positions, colours and texture coordinates of the element
+/// `vertex`, and the lists of corners of `face` and `tristrips`. Skips all other elements and properties.
 /// @param sink  SurfaceCounter or SurfaceBuilder
 /// Errors: Unusable, with the position in the file.
 template <class Sink>

@@ -11,8 +11,8 @@ namespace ccdt::api {
 
 /// Divides a polygon with n >= 3 corners into n - 2 triangles, which have its orientation. A convex polygon becomes a
 /// fan around its first corner, a concave quadrilateral one around its concave corner. Other polygons are divided by
-/// clipping ears, in the plane of the two axes that is closest to theirs. They need not be planar; they should not
-/// intersect themselves.
+/// clipping ears, after projection along the axis that is closest to their normal. They need not be planar, but should
+/// not intersect themselves.
 /// @param corners    positions
 /// @param triangles  receives the indices of the corners [n - 2]
 ///

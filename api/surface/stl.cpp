@@ -21,8 +21,8 @@ std::uint64_t facets_of(std::string_view bytes) {
     return number_at<std::uint32_t>(bytes.data() + kHead - sizeof(std::uint32_t));
 }
 
-/// Reads the colours of facets. Magics announces a colour of the whole object in the header, and marks facets without a
-/// colour of their own. VisCAM marks those with a colour.
+/// Reads the colours of facets. Magics announces a colour of the whole object in the header, and marks facets that have
+/// this colour. VisCAM marks facets that have a colour.
 class FacetColours {
 public:
     explicit FacetColours(std::string_view head) {
@@ -78,7 +78,8 @@ private:
                                     std::string(expected) + ", in facet " + std::to_string(facets_));
     }
 
-    /// Ignores the words up to the first facet or the end of the solid, unless they are in later lines.
+    /// Ignores the name of a solid: the rest of the line, or the words before a facet or the end of the solid in the
+    /// same line.
     void skip_name() {
         Words next = words_;
         for (std::string_view word = next.next_in_line(); !word.empty(); word = next.next_in_line()) {

@@ -15,7 +15,7 @@
 namespace ccdt::api {
 namespace {
 
-/// Whether JSON has the name of a member that each glTF has, and that of one that other documents lack.
+/// Whether JSON contains the name `asset`, which every glTF has, and the name of a member that other documents lack.
 bool is_gltf(std::string_view json) {
     const auto has = [json](std::string_view name) { return json.find(name) != std::string_view::npos; };
     return json.starts_with('{') && has("\"asset\"") && (has("\"bufferViews\"") || has("\"meshes\""));

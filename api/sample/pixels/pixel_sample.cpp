@@ -194,7 +194,8 @@ Result<void> settle_included(Draft& draft) {
 std::vector<std::uint8_t> mask_of(std::span<const CellBlock> blocks, const FrameSize& raster) {
     std::vector<std::uint8_t> mask(pixels_of(raster), 0);
     if (blocks.empty()) return mask;
-    // Sums along rows and columns of these changes are the numbers of blocks at pixels.
+    // Changes of the number of blocks from pixel to pixel. Summed along rows, then along columns, they give the number
+    // of blocks at each pixel.
     const auto stride = static_cast<std::size_t>(raster.width) + 1;
     std::vector<std::int32_t> changes(stride * (static_cast<std::size_t>(raster.height) + 1), 0);
     const auto change = [&](int x, int y) -> std::int32_t& {

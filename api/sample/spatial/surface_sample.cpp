@@ -188,8 +188,9 @@ Cost cost_of(const SurfaceRequest& request) {
     constexpr Estimate kProjection{0, 10 * kMicrosecond};  // of a fixed point near the surface
     constexpr Estimate kSite{600, 2 * kMicrosecond};       // initial sites and their triangulation
     constexpr Estimate kPass{0, 0.45 * kMicrosecond};      // pass of an iteration, of a site
-    // Standard quality, of a site. Bodies that are not much thicker than the spacing of the sites need most memory.
-    // Those that are much thinner, such as ribbons, need twice as much, but this is not known before they are read.
+    // Standard quality, of a site, for bodies about as thick as the spacing of the sites, which need more memory than
+    // thicker ones. Much thinner bodies, such as ribbons, need twice as much, but the thickness is not known before the
+    // mesh is read.
     constexpr Estimate kPolish{1'100, 17 * kMicrosecond};
     constexpr Estimate kPicture{1'500, 20 * kMicrosecond};                     // density by pictures, of a site
     constexpr Estimate kProgressive{100, 4 * kMicrosecond}, kKeptMesh{80, 0};  // of a site

@@ -269,8 +269,8 @@ Cost cost_of(const VolumeRequest& request) {
     if (run.keep_mesh) site = site + (request.solid ? kSolidMesh : kMesh * points_per_site);
     if (request.order == PointOrder::Progressive) site = site + kProgressive;
     const auto count = static_cast<double>(run.sites + run.fixed.size());
-    // Blocks of a thin domain have fewer sites, so that they have at most three times as many points as sites of
-    // others.
+    // The blocks of a thin domain have fewer sites than those of other domains, so that they have at most three times
+    // as many points as a usual block has sites.
     const double in_block = kInBlock * std::max(1.6, points_per_site);
     const double in_blocks =
         std::min(in_block * count, kInBlock * kMaxInBlocks * std::clamp(points_per_site, 1.6, 3.0));
