@@ -88,7 +88,8 @@ constexpr auto kOtherCommands = std::to_array<OtherCommand>({
     {"help", "help [COMMAND]", "print help"},
 });
 
-/// Members of the API that have no effect without a service, or that the input gives.
+/// Members of the API that are no options of the program: without a service, on_deadline has no effect, and the input
+/// file contains the points.
 constexpr auto kOmitted = std::to_array<std::string_view>({"on_deadline", "points"});
 
 const std::array kProgramOptions = {

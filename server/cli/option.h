@@ -25,7 +25,7 @@ struct Option {
 
     bool is_flag() const { return value.empty(); }
 
-    /// Whether all values are JSON or one of `words`, so that `@` and the name of a file may also be the value.
+    /// Whether all values are JSON or one of `words`. Such a value may also be `@` and the name of a file.
     bool is_json() const { return takes_json && !takes_number && !takes_text; }
 };
 

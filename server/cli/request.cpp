@@ -33,8 +33,8 @@ bool begins_like_json(std::string_view text) {
     return start.starts_with('{') || start.starts_with('[');
 }
 
-/// Whether a file may be a binary STL by its number of facets, which is too large for no limit.
-/// @param head  at least the first 84 bytes
+/// Whether a file may be a binary STL: the number at the position of the number of facets is within the largest limit.
+/// @param head  the first 84 bytes or more
 bool may_be_binary_stl(std::string_view head) {
     constexpr std::size_t kCount = 80;  // offset of the number, with the lowest byte first
     std::size_t facets = 0;

@@ -24,7 +24,7 @@ constexpr std::size_t kLongestLine = 4'096;  ///< limit for a line with a chunk 
 constexpr std::size_t kMaxFraming = 8;       ///< permitted framing bytes per body byte, in addition to kLargestHead
 constexpr std::size_t kReceiveSize = 16'384;
 constexpr std::size_t kFreeBytes = 65'536;  ///< bytes of a body that are read even if memory is short
-/// Once more bytes of a body than this have arrived, its Content-Length is trusted, and memory for all of it is
+/// Number of received bytes of a body above which its Content-Length is trusted, and memory for the whole body is
 /// reserved.
 constexpr std::size_t kTrustedBytes = 1 << 20;
 constexpr std::uint64_t kMinRate = 32'768;  ///< bytes per second

@@ -6,8 +6,8 @@
 
 namespace ccdt::server {
 
-/// Returns the maximum number of computations at the same time: one for each worker, a short one, and those that were
-/// taken for short ones, see WorkerPool.
+/// Returns the maximum number of computations at the same time: one for each worker, one in the slot of short jobs, and
+/// as many that have left this slot as there are workers; see WorkerPool.
 constexpr std::size_t max_computations(std::size_t workers) {
     return 2 * workers + 1;
 }

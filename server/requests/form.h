@@ -16,9 +16,9 @@ namespace ccdt::server {
 /// Errors (Malformed): those of parse_multipart.
 Result<std::vector<FormPart>> find_fields(const ComputeRequest& request);
 
-/// Converts a request with a form to one with a plain body. The field named `part` or `file` becomes the body. If the
-/// part `map` is missing, it is the field `density`, if that has a file name. The other fields are added to the query.
-/// Other requests are not changed.
+/// Converts a request with a form to one with a plain body. The field named `part` or `file` becomes the body. If
+/// `part` is `map` and neither field exists, the field `density` becomes the body, provided that it has a file name.
+/// The other fields are added to the query. Other requests are not changed.
 ///
 /// @param fields  result of find_fields() for this request
 /// @param part    name of the field that becomes the body
