@@ -38,17 +38,17 @@ public:
     /// 0.
     void release_memory();
 
-    /// Cells of the grid [layers * rows * columns], row by row.
+    /// Returns the cells of the grid [layers * rows * columns], row by row.
     std::span<double> grid();
 
-    /// Coefficients [layers * rows * (columns / 2 + 1)], row by row: frequency (x, y) is in column x of row y mod rows
-    /// and, in space, frequency (x, y, z) is there in layer z mod layers. The columns of negative x are not stored:
-    /// coefficient (x, y) is the complex conjugate of coefficient (-x, -y).
+    /// Returns the coefficients [layers * rows * (columns / 2 + 1)], row by row: frequency (x, y) is in column x of row
+    /// y mod rows and, in space, frequency (x, y, z) is there in layer z mod layers. The columns of negative x are not
+    /// stored: coefficient (x, y) is the complex conjugate of coefficient (-x, -y).
     std::span<std::complex<double>> spectrum();
     std::span<const std::complex<double>> spectrum() const;
 
-    /// Memory of the spectrum as an array of as many real numbers as the constructor's `spare`. Free for other use
-    /// between backward() and forward().
+    /// Returns the memory of the spectrum as an array of as many real numbers as the constructor's `spare`. It is free
+    /// for other use between backward() and forward().
     std::span<double> spare();
 
     /// Computes spectrum[k] = sum over cells j of grid[j] e^(-2 pi i k.j), k.j = x_k x_j / columns + y_k y_j / rows.
@@ -84,18 +84,18 @@ public:
     /// 0.
     void release_memory();
 
-    /// Cells of the grid [rows * columns], row by row. Before forward(), the cells hold values. After it, cell (x, y)
-    /// holds the coefficient of frequency (x, y).
+    /// Returns the cells of the grid [rows * columns], row by row. Before forward(), the cells hold values. After it,
+    /// cell (x, y) holds the coefficient of frequency (x, y).
     std::span<double> grid();
 
-    /// Memory that begins with the grid. Its size in numbers is the larger of `spare` and the number of cells.
+    /// Returns memory that begins with the grid. Its size in numbers is the larger of `spare` and the number of cells.
     std::span<double> spare();
 
-    /// DCT-II. Coefficient (x, y) is 4 sum over cells (i, j) of
+    /// Computes the DCT-II. Coefficient (x, y) is 4 sum over cells (i, j) of
     /// grid[j][i] cos(pi x (i + 1/2) / columns) cos(pi y (j + 1/2) / rows).
     void forward();
 
-    /// DCT-III. forward() followed by backward() multiplies by 4 * columns * rows.
+    /// Computes the DCT-III. forward() followed by backward() multiplies by 4 * columns * rows.
     void backward();
 
 private:

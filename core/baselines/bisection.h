@@ -33,7 +33,7 @@ public:
     /// Divides a triangle in two across its longest edge. O(cells of the density crossed).
     std::array<Part, 2> halves(const Part& part) const;
 
-    /// Density at a point, in mass per area of the unit frame.
+    /// Returns the density at a point, in mass per area of the unit frame.
     double at(Point p) const { return capacity_.at(p); }
 
 private:

@@ -35,10 +35,10 @@ public:
     /// @returns     whether anything was swapped
     bool sweep(const std::stop_token& stop);
 
-    /// Centroid of each site's samples [sites]; on a torus: within the torus's box.
+    /// Returns the centroid of each site's samples [sites]; on a torus: within the torus's box.
     std::span<const Point> centroids() const { return sites_; }
 
-    /// Samples of a site [capacity].
+    /// Returns the samples of a site [capacity].
     std::span<const Point> cell(std::size_t site) const { return {&samples_[site * capacity_], capacity_}; }
 
     double energy() const;

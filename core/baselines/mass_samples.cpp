@@ -22,7 +22,7 @@ private:
     void divide(const Part& part, double begin, double end, int depth);
     void halve(const Part& part, double begin, double end, int depth);
 
-    /// Position of the middle of the next sample's share in the sequence of shares.
+    /// Returns the position of the middle of the next sample's share in the sequence of shares.
     double next_middle() const { return static_cast<double>(samples_.size()) + 0.5; }
 
     const Bisection& bisection_;

@@ -19,7 +19,7 @@ public:
 
     bool is_torus() const { return period_.x > 0; }
 
-    /// Distance between copies along each axis; {0, 0} if there are no copies.
+    /// Returns the distance between copies along each axis; {0, 0} if there are no copies.
     Point period() const { return period_; }
 
     /// Returns the shortest vector between copies of two points.

@@ -53,18 +53,18 @@ public:
     int width() const { return width_; }    ///< cells; 0 if uniform
     int height() const { return height_; }  ///< cells; 0 if uniform
 
-    /// Scaled value of a cell, with the rounding errors of the row's prefix sums. This function and all those below
-    /// must not be called for a uniform density.
+    /// Returns the scaled value of a cell, with the rounding errors of the row's prefix sums. This function and all
+    /// those below must not be called for a uniform density.
     double value(int column, int row) const {
         const double* sums = row_sums_.data() + static_cast<std::size_t>(row) * (static_cast<std::size_t>(width_) + 1) +
                              static_cast<std::size_t>(column);
         return sums[1] - sums[0];
     }
 
-    /// Prefix sums of a row: `row_sums(row)[x]` is the sum of the values left of column x, x in [0, width].
+    /// Returns the prefix sums of a row: `row_sums(row)[x]` is the sum of the values left of column x, x in [0, width].
     std::span<const double> row_sums(int row) const;
 
-    /// Block of all cells.
+    /// Returns the block of all cells.
     CellBlock cells() const { return {0, 0, width_, height_}; }
 
     /// Returns the smallest block that contains all nonzero cells. O(cells).
@@ -75,10 +75,10 @@ public:
     /// @param masses  out, [columns]
     void resample_row(const CellBlock& block, int columns, int rows, int row, std::span<double> masses) const;
 
-    /// Sum of all values.
+    /// Returns the sum of all values.
     double total() const { return total_; }
 
-    /// Largest value, in [1, 2).
+    /// Returns the largest value, in [1, 2).
     double largest() const { return largest_; }
 
 private:

@@ -32,7 +32,7 @@ public:
     Cover(const Chains& chains, const Arrangement& map, std::span<const Kind> kinds, double resolution,
           const std::stop_token& stop = {});
 
-    /// Faults of the rings. Empty if the rings are valid by OGC Simple Features.
+    /// Returns the faults of the rings. Empty if the rings are valid by OGC Simple Features.
     const Faults& faults() const { return faults_; }
 
     /// Whether two segments touch anywhere other than at the end point shared by successive segments of a chain.

@@ -67,11 +67,11 @@ public:
     /// @param domains  at least one
     static Result<Domain> united(std::span<const Domain* const> domains, const std::stop_token& stop = {});
 
-    /// Rectangle [0, width] x [0, height].
+    /// Returns the rectangle [0, width] x [0, height].
     static Result<Domain> rectangle(double width, double height);
 
-    /// Torus [0, width) x [0, height) with opposite sides joined, so that copies of a pattern on it tile the plane.
-    /// Errors (Unusable): a side that is not finite and positive; an aspect ratio above 1000.
+    /// Returns the torus [0, width) x [0, height) with opposite sides joined, so that copies of a pattern on it tile
+    /// the plane. Errors (Unusable): a side that is not finite and positive; an aspect ratio above 1000.
     static Result<Domain> torus(double width, double height);
 
     /// Subtracts areas. The unit frame and the bounding box do not change. The domain must not be a torus.
@@ -86,19 +86,19 @@ public:
     /// Errors (Unusable): nothing is left.
     Result<Domain> within(std::vector<Ring> rings) const;
 
-    /// Outer rings and holes in the unit frame; empty for a torus, which has no border.
+    /// Returns the outer rings and holes in the unit frame; empty for a torus, which has no border.
     const std::vector<Ring>& rings() const { return rings_; }
 
-    /// Bounding box in the unit frame; its min is the origin.
+    /// Returns the bounding box in the unit frame; its min is the origin.
     Box unit_bounds() const { return {{0, 0}, unit_size_}; }
 
-    /// Bounding box in the caller's coordinates.
+    /// Returns the bounding box in the caller's coordinates.
     const Box& bounds() const { return frame_.bounds; }
 
-    /// Area in the caller's coordinates.
+    /// Returns the area in the caller's coordinates.
     double area() const;
 
-    /// Area in the unit frame.
+    /// Returns the area in the unit frame.
     double unit_area() const { return unit_area_; }
 
     std::size_t corner_count() const;
@@ -116,7 +116,7 @@ public:
     /// Converts a point from the caller's coordinates to the unit frame; on a torus, to its copy in the box.
     Point to_unit(Point user) const;
 
-    /// Largest distance in the unit frame by which rounding in to_user() moves a point.
+    /// Returns the largest distance in the unit frame by which rounding in to_user() moves a point.
     double resolution() const { return frame_.resolution(); }
 
 private:

@@ -48,7 +48,7 @@ struct Reach {
     Point before, after;    ///< corners of the border before and after an edge
     double slice = kSlice;  ///< largest angle between corners of the arcs at the ends of an edge
 
-    /// Signed distance of a point from the neighbourhood; negative inside.
+    /// Returns the signed distance of a point from the neighbourhood; negative inside.
     double clearance(Point p) const { return distance_to(a, b, p) - distance; }
 
     /// Whether this piece begins where the other one ends, and the other piece is at least as wide.

@@ -23,10 +23,10 @@ struct RingInput {
     /// Drops corners equal to their predecessor.
     void drop_repeated();
 
-    /// Name of the ring for messages, such as "hole 2 of part 1".
+    /// Returns the name of the ring for messages, such as "hole 2 of part 1".
     std::string name() const;
 
-    /// JSON Pointer, relative to the polygon, of the ring or of one of its corners.
+    /// Returns the JSON Pointer, relative to the polygon, of the ring or of one of its corners.
     std::string pointer() const;
     std::string pointer(std::size_t corner) const;
 };

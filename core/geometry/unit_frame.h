@@ -16,18 +16,18 @@ struct UnitFrame {
 
     static UnitFrame of(const Box& bounds) { return {bounds, std::max(bounds.width(), bounds.height())}; }
 
-    /// Largest absolute value of the caller's coordinates.
+    /// Returns the largest absolute value of the caller's coordinates.
     double magnitude() const {
         return std::max(
             {std::abs(bounds.min.x), std::abs(bounds.min.y), std::abs(bounds.max.x), std::abs(bounds.max.y)});
     }
 
-    /// Size of the box in the unit frame.
+    /// Returns the size of the box in the unit frame.
     Point unit_size() const { return {bounds.width() / scale, bounds.height() / scale}; }
 
     Point to_user(Point unit) const { return bounds.min + scale * unit; }
 
-    /// Largest distance in the unit frame by which rounding in to_user() moves a point.
+    /// Returns the largest distance in the unit frame by which rounding in to_user() moves a point.
     double resolution() const {
         // Roundings of corners on input, and of products and sums on output, with a margin.
         constexpr double kRoundings = 16;

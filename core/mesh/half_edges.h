@@ -43,15 +43,16 @@ public:
 
     std::uint32_t origin(std::uint32_t edge) const { return triangles_[edge / 4].corners[edge % 4]; }
     std::uint32_t target(std::uint32_t edge) const { return origin(next(edge)); }
-    /// Vertex of the edge's triangle that is not on the edge.
+    /// Returns the vertex of the edge's triangle that is not on the edge.
     std::uint32_t apex(std::uint32_t edge) const { return origin(previous(edge)); }
-    /// Half-edge on the other side of the edge; kNone on a border.
+    /// Returns the half-edge on the other side of the edge; kNone on a border.
     std::uint32_t twin(std::uint32_t edge) const { return triangles_[edge / 4].twins[edge % 4]; }
     /// Whether an edge must not be flipped.
     bool is_constrained(std::uint32_t edge) const { return triangles_[edge / 4].is_constrained(edge % 4); }
 
-    /// A half-edge that leaves the vertex; kNone if the vertex has no triangle. For a vertex of the border, it is the
-    /// half-edge along the border with the triangles on its left, so a counter-clockwise turn visits all half-edges.
+    /// Returns a half-edge that leaves the vertex; kNone if the vertex has no triangle. For a vertex of the border, it
+    /// is the half-edge along the border with the triangles on its left, so a counter-clockwise turn visits all
+    /// half-edges.
     std::uint32_t edge_of(std::uint32_t vertex) const { return edge_of_[vertex]; }
 
     /// Calls function(half-edge) for each half-edge that leaves the vertex, counter-clockwise. A vertex of the border

@@ -37,7 +37,8 @@ public:
     int last_level() const { return levels() - 1; }
     std::size_t count(int level) const { return std::size_t{1} << std::max(0, bits_ - 2 * level); }
 
-    /// Number of the level-0 block of a vertex. A vertex that is not a site gets a number that no block has.
+    /// Returns the number of the level-0 block of a vertex. A vertex that is not a site gets a number that no block
+    /// has.
     std::uint32_t of(std::uint32_t vertex) const {
         return vertex < sites_ ? static_cast<std::uint32_t>(vertex * share_) : kOutside;
     }

@@ -84,7 +84,7 @@ public:
     const std::vector<Point>& points() const { return points_; }
     bool is_site(std::uint32_t vertex) const { return vertex < sites_; }
 
-    /// Number of sites that may move: the first ones. All sites may move unless fix_last() was called.
+    /// Returns the number of sites that may move: the first ones. All sites may move unless fix_last() was called.
     std::size_t free_count() const { return free_; }
     bool is_free(std::uint32_t vertex) const { return vertex < free_; }
     /// Declares that the last `count` sites never move.
@@ -96,31 +96,31 @@ public:
     /// torus.
     bool crosses_seam(std::uint32_t triangle) const { return (triangles_[triangle].flags & Triangle::kSeam) != 0; }
 
-    /// Periods by which the edge's target is shifted relative to its origin.
+    /// Returns the periods by which the edge's target is shifted relative to its origin.
     Shift shift(std::uint32_t edge) const { return triangles_[edge / 4].shifts[edge % 4]; }
 
-    /// Periods by which the edge's origin is shifted relative to the triangle's first corner.
+    /// Returns the periods by which the edge's origin is shifted relative to the triangle's first corner.
     Shift lift(std::uint32_t edge) const {
         const auto& shifts = triangles_[edge / 4].shifts;
         return edge % 4 == 0 ? Shift{} : edge % 4 == 1 ? shifts[0] : Shift{} - shifts[2];
     }
 
-    /// Vector that a shift stands for.
+    /// Returns the vector that a shift stands for.
     Point distance(Shift shift) const { return {shift.x * period_.x, shift.y * period_.y}; }
 
-    /// Vector from the edge's origin to its target.
+    /// Returns the vector from the edge's origin to its target.
     Point along(std::uint32_t edge) const {
         return points_[target(edge)] + distance(shift(edge)) - points_[origin(edge)];
     }
 
-    /// Vector perpendicular to the edge, of the same length, that points into the edge's triangle.
+    /// Returns the vector perpendicular to the edge, of the same length, that points into the edge's triangle.
     Point inward(std::uint32_t edge) const {
         const Point a = along(edge);
         return {-a.y, a.x};
     }
 
-    /// Positions of the corners. The first corner has its stored position; the others are shifted by periods to be next
-    /// to it.
+    /// Returns the positions of the corners. The first corner has its stored position; the others are shifted by
+    /// periods to be next to it.
     std::array<Point, 3> positions(std::uint32_t triangle) const {
         const Triangle& t = triangles_[triangle];
         const auto& c = t.corners;
@@ -128,15 +128,16 @@ public:
         return {points_[c[0]], points_[c[1]] + distance(t.shifts[0]), points_[c[2]] - distance(t.shifts[2])};
     }
 
-    /// Twice the area; always > 0.
+    /// Returns twice the area; always > 0.
     double doubled_area(std::uint32_t triangle) const {
         const auto [a, b, c] = positions(triangle);
         return cross(b - a, c - a);
     }
 
-    /// Number of connected parts of the domain.
+    /// Returns the number of connected parts of the domain.
     std::size_t part_count() const { return part_count_; }
-    /// Part in which a vertex lies; kNone outside the domain, where the four corners of the box lie until trim().
+    /// Returns the part in which a vertex lies; kNone outside the domain, where the four corners of the box lie until
+    /// trim().
     std::uint32_t part_of(std::uint32_t vertex) const { return part_of_.empty() ? 0 : part_of_[vertex]; }
 
     /// Moves sites of a torus back into the box if they have left it by a quarter of a period or more.
@@ -147,8 +148,8 @@ public:
 
     // The following members are for the algorithms of this folder.
 
-    /// First triangle of the border. The triangles of the sites come before it: two for each site, near the site in the
-    /// plane.
+    /// Returns the first triangle of the border. The triangles of the sites come before it: two for each site, near the
+    /// site in the plane.
     std::uint32_t border_triangle() const { return static_cast<std::uint32_t>(2 * sites_); }
 
     /// Splits a triangle into three at a site.
@@ -168,7 +169,8 @@ public:
     /// Ends the construction, after the triangles outside the domain have been dropped.
     void finish();
 
-    /// Triangle at which the next search for a position begins; kNone in an empty torus. Only before trim().
+    /// Returns the triangle at which the next search for a position begins; kNone in an empty torus. Only before
+    /// trim().
     std::uint32_t search_start() const { return search_start_; }
     void set_search_start(std::uint32_t triangle) { search_start_ = triangle; }
 

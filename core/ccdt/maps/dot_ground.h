@@ -96,7 +96,7 @@ public:
     /// Whether a dot may start at a position: allows() is true, and no much sparser feature is close.
     bool allows_start(std::uint32_t feature, Point p) const;
 
-    /// Fast, conservative form of allows_start(), which returns false at some clear positions.
+    /// Tests quickly whether allows_start() is true. Returns false in uncertain cases.
     bool is_far_inside(std::uint32_t feature, Point p) const {
         return is_uniform() && fences_[feature].is_far_inside(p);
     }

@@ -37,7 +37,8 @@ public:
 
     const Box& bounds() const { return bounds_; }
 
-    /// O(1) in cells that lie entirely inside; else O(edges in the point's row), which are few for common shapes.
+    /// Whether a point lies inside. O(1) in cells that lie entirely inside; else O(edges in the point's row), which are
+    /// few for common shapes.
     bool contains(Point p) const { return position_of(p) != Position::Outside; }
     Position position_of(Point p) const {
         const Edge* edge = nullptr;

@@ -85,7 +85,7 @@ struct BasicDistribution {
     std::optional<Mesh> mesh;
     std::vector<std::uint32_t> ranks = {};  ///< [points] rank of each point in a progressive order; may be empty
 
-    /// Capacity variation of the points.
+    /// Returns the capacity variation of the points.
     double variation() const { return polished.value_or(trace.back()); }
 };
 

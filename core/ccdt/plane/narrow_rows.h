@@ -130,9 +130,9 @@ public:
         for (const std::uint32_t piece : walk_) all_ += pieces_[piece].sites;
     }
 
-    /// Capacity, in sites.
+    /// Returns the capacity, in sites.
     double all() const { return all_; }
-    /// Mean spacing of sites.
+    /// Returns the mean spacing of sites.
     double spacing() const {
         double area = 0;
         for (const std::uint32_t piece : walk_) area += pieces_[piece].area;

@@ -34,10 +34,10 @@ public:
     /// depends on the seed, the site and the attempt alone.
     Point draw(std::size_t site, int attempt) const;
 
-    /// Fixed points of the options, in the unit frame; points far outside are left out.
+    /// Returns the fixed points of the options, in the unit frame; points far outside are left out.
     const std::vector<Point>& fixed() const { return fixed_; }
 
-    /// The area that the fixed points take. No site is drawn there.
+    /// Returns the area that the fixed points take. No site is drawn there.
     const FixedArea& fixed_area() const { return fixed_area_; }
 
 private:

@@ -49,7 +49,7 @@ public:
     std::vector<Point> take() && { return std::move(points_); }
 
 private:
-    /// Number of cells along a side of a torus; no cell is smaller than the least distance.
+    /// Returns the number of cells along a side of a torus; no cell is smaller than the least distance.
     std::int64_t cells(double side) const {
         return std::max(std::int64_t{1}, static_cast<std::int64_t>(side / apart_));
     }

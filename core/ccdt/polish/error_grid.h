@@ -45,7 +45,7 @@ private:
         const auto i = static_cast<std::size_t>(x), j = static_cast<std::size_t>(y);
         return {i, j, {x - static_cast<double>(i), y - static_cast<double>(j)}};
     }
-    /// Index of a stored grid point.
+    /// Returns the index of a stored grid point.
     std::size_t number(std::size_t column, std::size_t row) const { return numbers_[row] + column; }
     void choose_stored(const CrossedCells& pieces, Point side);
     void spread_wanted(const CrossedCells& masses, Point side);

@@ -22,7 +22,8 @@ public:
     /// @param executor  must outlive this object
     ExcessFlow(std::size_t sites, std::span<const GraphSolver::Edge> edges, Executor& executor);
 
-    /// The error of each site: the excess of sites around it, in sites. Written by the caller before solve().
+    /// Returns the errors of the sites. An error is the excess of sites around a site, in sites. The caller writes them
+    /// before solve().
     std::span<double> errors() { return error_; }
 
     /// Finds the potentials that drive the excess away. Limits the errors and subtracts the mean error of each

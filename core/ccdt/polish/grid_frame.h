@@ -30,7 +30,7 @@ struct GridFrame {
     std::size_t lines() const { return static_cast<std::size_t>(cells[1]) * static_cast<std::size_t>(cells[2]); }
 
     static constexpr std::size_t margin(std::size_t axis) { return axis < kAxes<P> ? kMargin : 0; }
-    /// Number of cells with the margin.
+    /// Returns the number of cells with the margin.
     std::size_t padded(std::size_t axis) const { return static_cast<std::size_t>(cells[axis]) + 2 * margin(axis); }
     std::size_t padded_lines() const { return padded(1) * padded(2); }
     /// Converts the index of a line among the lines without the margin to its index among all lines.

@@ -85,7 +85,7 @@ public:
     double octave_spacing(std::size_t octave) const {
         return std::max(least_, finest_ * std::exp2(static_cast<double>(octave)));
     }
-    /// The grid of octave 0.
+    /// Returns the grid of octave 0.
     Grid& finest() { return octaves_[0].grid; }
     const Grid& finest() const { return octaves_[0].grid; }
 

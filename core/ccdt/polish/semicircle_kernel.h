@@ -54,7 +54,8 @@ private:
         std::array<double, kTaps> heights, slopes;
     };
 
-    /// On a torus, grid points are at the corners of cells; in a box, they are at the centres.
+    /// Determines the grid points over which a coordinate is spread. On a torus, they are at the corners of cells; in a
+    /// box, they are at the centres.
     Position position(double v, std::size_t axis) const {
         const int cells = frame_.cells[axis];
         const double share = v / along(frame_.sides, axis);

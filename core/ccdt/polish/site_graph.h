@@ -16,7 +16,7 @@
 // torus, or a SurfaceTriangulation.
 namespace ccdt {
 
-/// Area of the parallelogram with the sides a and b; in the plane, negative if b is clockwise from a.
+/// Returns the area of the parallelogram with the sides a and b; in the plane, negative if b is clockwise from a.
 inline double parallelogram_area(Point a, Point b) {
     return cross(a, b);
 }

@@ -145,7 +145,7 @@ void Stealth::change_of(std::span<const Point> sites, std::span<const Point> mov
     });
 }
 
-/// Inner product over all waves, both k and -k.
+/// Returns the inner product over all waves, both k and -k.
 double Stealth::product(const Coefficients& a, const Coefficients& b) const {
     double sum = 0;
     for (std::size_t k = 0; k < waves_.size(); ++k) sum += 2 * (a[k].real() * b[k].real() + a[k].imag() * b[k].imag());

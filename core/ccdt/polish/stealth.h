@@ -54,7 +54,7 @@ public:
     /// Deterministic. O(sites log sites).
     bool displacements(std::span<const Point> sites, std::span<Point> moves, const std::stop_token& stop = {});
 
-    /// The largest power among the low frequencies, measured before the last moves.
+    /// Returns the largest power among the low frequencies, measured before the last moves.
     double largest_power() const { return largest_power_; }
 
 private:

@@ -116,7 +116,7 @@ public:
     }
 
     std::size_t coefficient_count() const { return frame_.lines() * line_size(); }
-    /// Number of coefficients that only differ in the periods along x, and which follow each other.
+    /// Returns the number of coefficients that only differ in the periods along x, and which follow each other.
     std::size_t line_size() const { return windows_[0].size(); }
     /// Returns the wave of the first coefficient in a line.
     Wave first_wave(std::size_t line) const {
@@ -134,12 +134,12 @@ public:
         return (position(2) * static_cast<std::size_t>(frame_.cells[1]) + position(1)) * line_size() + position(0);
     }
 
-    /// Frequency in cycles per unit of length.
+    /// Returns the frequency in cycles per unit of length.
     P frequency(const Wave& wave) const {
         return by_axis<P>([&](std::size_t axis) { return frame_.periods() * wave[axis] / along(frame_.sides, axis); });
     }
 
-    /// Factor by which spreading multiplies a coefficient.
+    /// Returns the factor by which spreading multiplies a coefficient.
     double window(const Wave& wave) const { return product(1, windows_, wave); }
 
     /// Returns function(frequency, axis) for all frequencies along each axis.
@@ -162,7 +162,7 @@ public:
         return first;
     }
 
-    /// Ratio of a coefficient to the integral that it represents.
+    /// Returns the ratio of a coefficient to the integral that it represents.
     double copies() const { return frame_.torus ? 1 : 1 << kAxes<P>; }
 
 private:

@@ -35,8 +35,9 @@ public:
 
     bool is_uniform() const { return density_.is_uniform(); }
 
-    /// Capacity of the whole domain. For a uniform density, this is the area in the unit frame; else the unit is one
-    /// cell of density 1. A capacity below 1e-12 of the density's total may be a rounding error, and is returned as 0.
+    /// Returns the capacity of the whole domain. For a uniform density, this is the area in the unit frame; else the
+    /// unit is one cell of density 1. A capacity below 1e-12 of the density's total may be a rounding error, and is
+    /// returned as 0.
     double total() const { return total_; }
 
     /// Computes the capacity of each triangle [triangles]. O(half-edges + cells crossed).
@@ -52,14 +53,14 @@ public:
     /// Returns the density at a point or, outside the box, at the nearest cell; in capacity per area of the unit frame.
     double at(Point p) const;
 
-    /// Largest capacity per area of the unit frame.
+    /// Returns the largest capacity per area of the unit frame.
     double densest() const { return is_uniform() ? 1 : density_.largest() * to_grid_.x * to_grid_.y; }
 
     /// Returns the contribution of a segment to the capacity on its left: the integral of F dy from a to b, which lie
     /// within the domain's bounding box. Not for uniform densities. O(cells crossed).
     double along(Point a, Point b) const;
 
-    /// Approximate number of cells that a segment crosses, at least 1. If the density is uniform, 1.
+    /// Returns the approximate number of cells that a segment crosses, at least 1. If the density is uniform, 1.
     int cells_along(Point a, Point b) const;
 
 private:

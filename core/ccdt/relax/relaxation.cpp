@@ -79,7 +79,7 @@ struct Relaxation::Rings {
         }
     }
 
-    /// Coordinates of the neighbours that follow the ones in x[i] and y[i], counter-clockwise.
+    /// Returns the coordinates of the neighbours that follow the ones in x[i] and y[i], counter-clockwise.
     CCDT_INLINE Pairs next_x(std::size_t i) const { return Lanes::shifted(x[i], x[i + 1]); }
     CCDT_INLINE Pairs next_y(std::size_t i) const { return Lanes::shifted(y[i], y[i + 1]); }
 

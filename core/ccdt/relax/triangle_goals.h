@@ -69,7 +69,7 @@ private:
         for (std::uint32_t i = 0; i < triangles_.size(); ++i) slots_[slot_of(triangles_[i])] = i;
     }
 
-    /// Hash slot of a triangle, or the first empty slot of its probe sequence.
+    /// Returns the hash slot of a triangle, or the first empty slot of its probe sequence.
     std::size_t slot_of(std::uint32_t triangle) const {
         const std::size_t mask = slots_.size() - 1;
         std::size_t slot = (triangle * 0x9e3779b97f4a7c15 >> 32) & mask;

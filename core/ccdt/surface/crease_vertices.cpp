@@ -20,7 +20,7 @@ struct Step {
     bool reversed;       ///< whether the half-edge runs from `to` to `from`
 };
 
-/// Distance of p from the segment ab.
+/// Returns the distance of p from the segment ab.
 double distance(Point3 p, Point3 a, Point3 b) {
     const Point3 along = b - a;
     const double squared = dot(along, along);

@@ -26,7 +26,7 @@ public:
     /// O(faces + sites).
     SiteMasses(const Surface& surface, const SurfaceDensity& density, double capacity);
 
-    /// Number of pieces, about three per site.
+    /// Returns the number of pieces, about three per site.
     std::size_t piece_count() const { return pieces_.size(); }
 
     /// Returns the mass of each vertex [vertices], in units of `capacity`. Remembers the triangle above each piece,

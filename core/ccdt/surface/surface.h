@@ -68,7 +68,7 @@ public:
     std::size_t face_count() const { return faces_.size(); }
     Point3 vertex(std::uint32_t vertex) const { return vertices_[vertex]; }
     std::array<std::uint32_t, 3> corners(std::uint32_t face) const { return faces_[face].links.corners; }
-    /// Half-edge on the other side of the edge; kNone on a border.
+    /// Returns the half-edge on the other side of the edge; kNone on a border.
     std::uint32_t twin(std::uint32_t edge) const { return faces_[edge / 4].links.twins[edge % 4]; }
     /// Whether an edge is on the border or a crease. Points do not cross such edges.
     bool is_crease(std::uint32_t edge) const { return (faces_[edge / 4].creases >> edge % 4 & 1) != 0; }
@@ -84,33 +84,33 @@ public:
     }
     double area(std::uint32_t face) const { return faces_[face].area; }
     double total_area() const { return total_area_; }
-    /// Normal of unit length. A face without area has the normal of the first face with an area that is reached across
-    /// longest edges.
+    /// Returns the unit normal of a face. A face without area has the normal of the first face with an area that is
+    /// reached across longest edges.
     Point3 normal(std::uint32_t face) const { return faces_[face].normal; }
-    /// Mean normal of the faces around a vertex, weighted by their angles. Unit length.
+    /// Returns the mean normal of the faces around a vertex, weighted by their angles; unit length.
     Point3 vertex_normal(std::uint32_t vertex) const { return normals_[vertex]; }
-    /// Number of a face's component. Faces are connected by edges that are neither borders nor creases.
+    /// Returns the number of a face's component. Faces are connected by edges that are neither borders nor creases.
     std::uint32_t component(std::uint32_t face) const { return faces_[face].component; }
     std::size_t component_count() const { return components_; }
-    /// Number of edges on borders; 0 if the surface is closed.
+    /// Returns the number of edges on borders; 0 if the surface is closed.
     std::size_t border_edges() const { return border_edges_; }
 
-    /// Triangle of the soup from which a face was made.
+    /// Returns the triangle of the soup from which a face was made.
     std::uint32_t triangle_of(std::uint32_t face) const { return faces_[face].links.triangle; }
     /// Whether a face is a triangle of the soup that was turned over.
     bool is_turned(std::uint32_t face) const { return faces_[face].links.turned; }
-    /// Barycentric coordinates of a point with respect to the corners of triangle_of(point.face), in the order of the
-    /// soup. Faces that were turned over have their corners in another order.
+    /// Returns the barycentric coordinates of a point with respect to the corners of triangle_of(point.face), in the
+    /// order of the soup. Faces that were turned over have their corners in another order.
     std::array<double, 3> original_weights(const SurfacePoint& point) const;
 
     Point3 position(const SurfacePoint& point) const;
-    /// Normal interpolated between the normals of the corners; unit length.
+    /// Returns the normal interpolated between the normals of the corners; unit length.
     Point3 smooth_normal(const SurfacePoint& point) const;
 
     /// Converts between the unit frame and the coordinates of the soup.
     Point3 to_input(Point3 p) const;
     Point3 from_input(Point3 p) const;
-    /// Length in the coordinates of the soup that corresponds to 1 in the unit frame.
+    /// Returns the length in the coordinates of the soup that corresponds to 1 in the unit frame.
     double scale() const { return scale_; }
 
     /// Follows a straight line on the surface, over edges as if the faces were unfolded into a plane. The line ends
@@ -139,7 +139,7 @@ public:
     /// Returns the same point for a finite p if its distance is less than `distance`; otherwise none. Faster.
     std::optional<SurfacePoint> nearest_within(Point3 p, double distance) const;
 
-    /// The search tree of all faces. The first call builds it, in O(faces log faces).
+    /// Returns the search tree of all faces. The first call builds it, in O(faces log faces).
     const FaceTree& tree() const;
 
 private:
@@ -159,8 +159,8 @@ private:
         const auto& corners = faces_[face].links.corners;
         return vertices_[corners[side == 2 ? 0 : side + 1]] - vertices_[corners[side]];
     }
-    /// Height of a face over a side with a given length; 0 for flat faces, because rounding errors in their height
-    /// would move points along them.
+    /// Returns the height of a face over a side with a given length; 0 for flat faces, because rounding errors in their
+    /// height would move points along them.
     double height(std::uint32_t face, double base) const {
         return faces_[face].links.flat ? 0 : 2 * faces_[face].area / base;
     }

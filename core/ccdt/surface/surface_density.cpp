@@ -113,7 +113,7 @@ struct InPiece {
     std::array<std::size_t, 3> corners;
     std::array<double, 3> weights;
 
-    /// Index of the corner at (i / n, j / n) in the second and third barycentric coordinates.
+    /// Returns the index of the corner at (i / n, j / n) in the second and third barycentric coordinates.
     static std::size_t corner(std::size_t n, std::size_t i, std::size_t j) { return j * (2 * n + 3 - j) / 2 + i; }
 
     InPiece(std::uint32_t side, const std::array<double, 3>& at) {

@@ -18,14 +18,14 @@ public:
 
     static SurfaceDensity uniform() { return {}; }
 
-    /// Density with given values at the vertices.
+    /// Makes a density with given values at the vertices.
     /// @param values  [vertices of the soup] densities, >= 0 and finite
     /// Errors: Malformed if the number of values is wrong ("density"), or a value is negative or not finite
     /// ("density/N").
     static Result<SurfaceDensity> of_vertices(const Surface& surface, const TriangleSoup& soup,
                                               std::span<const double> values);
 
-    /// Density by darkness, (1 - luminance) * alpha, of the colours of vertices, materials and pictures.
+    /// Makes a density by darkness, (1 - luminance) * alpha, of the colours of vertices, materials and pictures.
     /// @param spacing  mean distance of points, in the unit frame; detail of pictures at scales below about half of it
     ///                 is averaged
     /// Errors: Unusable if the soup has no colours ("density"); Stopped. O(faces + sites): on average, there are at
@@ -33,9 +33,9 @@ public:
     static Result<SurfaceDensity> of_colours(const Surface& surface, const TriangleSoup& soup, double spacing,
                                              const std::stop_token& stop = {});
 
-    /// Density by curvature, smoothed over a distance: bent regions get up to `contrast` times as many points per area
-    /// as flat ones. With the principal curvatures k and l, the density is 1 + (contrast - 1) * c / (c + m), where
-    /// c = k^2 + l^2 and m is the mean of c over the surface. Edges of any angle are bent regions.
+    /// Makes a density by curvature, smoothed over a distance: bent regions get up to `contrast` times as many points
+    /// per area as flat ones. With the principal curvatures k and l, the density is 1 + (contrast - 1) * c / (c + m),
+    /// where c = k^2 + l^2 and m is the mean of c over the surface. Edges of any angle are bent regions.
     /// @param spacing   mean distance of points, in the unit frame; curvature at smaller scales is smoothed
     /// @param contrast  >= 1
     /// @param stop      polled in each step; after a stop, the density must not be used
@@ -49,18 +49,18 @@ public:
                                        const std::stop_token& stop = {});
 
     bool is_uniform() const { return values_.empty(); }
-    /// Number of pieces along each side of a face.
+    /// Returns the number of pieces along each side of a face.
     std::uint32_t side(std::uint32_t face) const { return grids_.empty() ? 1 : grids_[face].side; }
     double at(const SurfacePoint& point) const;
-    /// Density at a corner (0, 1 or 2) of a face.
+    /// Returns the density at a corner (0, 1 or 2) of a face.
     double at_corner(std::uint32_t face, std::uint32_t corner) const { return at(SurfacePoint::corner(face, corner)); }
-    /// Largest value in a face.
+    /// Returns the largest value in a face.
     double largest(std::uint32_t face) const;
     /// Returns an upper bound for the density in a triangle within a face: its largest value in the pieces nearby.
     /// @param corners  barycentric coordinates
     /// O(pieces of the face in the triangle).
     double largest(std::uint32_t face, const std::array<std::array<double, 3>, 3>& corners) const;
-    /// Integral over a face.
+    /// Returns the integral over a face.
     double mass(const Surface& surface, std::uint32_t face) const {
         if (values_.empty()) return surface.area(face);
         if (!grids_.empty()) return surface.area(face) * grids_[face].mean;

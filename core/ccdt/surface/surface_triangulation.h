@@ -64,7 +64,7 @@ public:
     const std::array<std::uint32_t, 3>& corners(std::uint32_t triangle) const { return links_.corners(triangle); }
     std::uint32_t origin(std::uint32_t edge) const { return links_.origin(edge); }
     std::uint32_t target(std::uint32_t edge) const { return links_.target(edge); }
-    /// Half-edge on the other side of the edge; kNone on borders and creases.
+    /// Returns the half-edge on the other side of the edge; kNone on borders and creases.
     std::uint32_t twin(std::uint32_t edge) const { return links_.is_constrained(edge) ? kNone : links_.twin(edge); }
     std::uint32_t edge_of(std::uint32_t vertex) const { return links_.edge_of(vertex); }
     bool are_joined(std::uint32_t a, std::uint32_t b) const { return links_.are_joined(a, b); }
@@ -74,7 +74,7 @@ public:
     }
 
     Point3 point(std::uint32_t vertex) const { return positions_[vertex]; }
-    /// Normal of the face on which a vertex lies.
+    /// Returns the normal of the face on which a vertex lies.
     Point3 face_normal(std::uint32_t vertex) const { return face_normals_[vertex]; }
     /// Returns the vector from one vertex to another; the unfolded vector if there is a sharp edge between two sites.
     /// Other vertices lie on borders and creases, so straight lines to them stay on the surface.
@@ -103,19 +103,19 @@ public:
         return {positions_[a], positions_[b], positions_[c]};
     }
     Point3 along(std::uint32_t edge) const { return positions_[target(edge)] - positions_[origin(edge)]; }
-    /// Vector perpendicular to the edge, of the same length, that points into the edge's triangle in its plane; 0 if
-    /// the triangle has no area.
+    /// Returns the vector perpendicular to the edge, of the same length, that points into the edge's triangle in its
+    /// plane; 0 if the triangle has no area.
     Point3 inward(std::uint32_t edge) const {
         const Point3 normal = doubled_normal(edge / 4);
         const double area = length(normal);
         return area > 0 ? 1 / area * cross(normal, along(edge)) : Point3{};
     }
-    /// Normal of a triangle, with the length of its doubled area.
+    /// Returns the normal of a triangle, with the length of its doubled area.
     Point3 doubled_normal(std::uint32_t triangle) const {
         const auto [a, b, c] = positions(triangle);
         return cross(b - a, c - a);
     }
-    /// Doubled area of the unfolded triangle.
+    /// Returns the doubled area of the unfolded triangle.
     double doubled_area(std::uint32_t triangle) const {
         const auto& [a, b, c] = corners(triangle);
         return length(cross(toward(a, b), toward(a, c)));

@@ -24,7 +24,7 @@ struct BoxDomain3 {
 
     // SolidDomain has the following members, too.
 
-    /// The bounding box.
+    /// Returns the bounding box.
     BoxDomain3 box() const { return *this; }
     bool contains(Point3) const { return true; }
     /// Returns a point in the domain.

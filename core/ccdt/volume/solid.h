@@ -32,24 +32,24 @@ public:
 
     const Surface& surface() const { return surface_; }
 
-    /// The bounding box, in the coordinates of the soup.
+    /// Returns the bounding box, in the coordinates of the soup.
     const Box3& bounds() const { return bounds_; }
-    /// The volume, in the coordinates of the soup. It may overflow to infinity, or underflow to 0, if the coordinates
-    /// are extremely large or small.
+    /// Returns the volume, in the coordinates of the soup. It may overflow to infinity, or underflow to 0, if the
+    /// coordinates are extremely large or small.
     double volume() const;
-    /// The share of the bounding box that is inside, in (0, 1].
+    /// Returns the share of the bounding box that is inside, in (0, 1].
     double share() const { return volume_ / (sides_.x * sides_.y * sides_.z); }
     /// Whether a point in the coordinates of the soup is inside. Returns false if a coordinate is not a number.
     bool contains(Point3 p) const { return holds(surface_.from_input(p)); }
 
-    /// Sides of the bounding box in the unit frame of the surface, where it has a corner at the origin.
+    /// Returns the sides of the bounding box in the unit frame of the surface, where it has a corner at the origin.
     Point3 sides() const { return sides_; }
     /// Whether a point in the unit frame is inside. Wrong only for points whose distance from the surface is as small
     /// as rounding errors, even if the line through the point along x meets edges or vertices. Several threads may call
     /// it at once. O(log faces), typically.
     bool holds(Point3 p) const;
 
-    /// A point inside, in the unit frame.
+    /// Returns a point inside, in the unit frame.
     Point3 interior() const { return interior_; }
 
     /// The share that is inside, for each cell of a grid over the bounding box.

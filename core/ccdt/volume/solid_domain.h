@@ -29,7 +29,7 @@ public:
     Point3 sides;  ///< of the bounding box
 
     BoxDomain3 box() const { return {sides, false}; }
-    /// The value of set_volume(); with uniform density, it is the volume.
+    /// Returns the value given to set_volume(); with uniform density, it is the volume.
     double volume() const { return volume_; }
     bool contains(Point3 p) const;
     Point3 interior() const { return solid_->interior(); }

@@ -64,7 +64,7 @@ public:
     double contrast() const { return contrast_; }
     /// Returns the largest density, relative to the mean density.
     double largest() const { return largest_; }
-    /// Numbers of voxels along x, y and z; all 1 if the density is uniform.
+    /// Returns the numbers of voxels along x, y and z; all 1 if the density is uniform.
     const std::array<std::size_t, 3>& voxels() const { return voxels_; }
     /// Returns the number of the voxel that contains a point, counted along x, then y, then z.
     std::size_t voxel_at(Point3 p) const {

@@ -23,7 +23,7 @@ public:
     /// Returns the zone at a position, given relative to the sides of the box.
     std::uint32_t at(Point3 p) const { return zones_.empty() ? 0 : zones_[density_.voxel_at(p)]; }
 
-    /// Number of classes. All zones of a class have about the same density.
+    /// Returns the number of classes. All zones of a class have about the same density.
     std::size_t classes() const { return class_count_; }
     std::size_t class_of(std::uint32_t zone) const { return classes_[zone]; }
 

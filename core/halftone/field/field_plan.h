@@ -67,7 +67,7 @@ struct FieldPlan {
     bool is_limited = false;     ///< whether dots and holes have a smallest area, so that their spacing varies widely
     double radius = 0;           ///< radius of dots that cover half of an area of luminance 1/2, in cells
 
-    /// Mean distance of neighbouring sites, in cells: the side of a square of the mean area.
+    /// Returns the mean distance of neighbouring sites, in cells: the side of a square of the mean area.
     double pitch() const;
 };
 

@@ -28,8 +28,8 @@ public:
 
     FailureCode code() const noexcept { return code_; }
 
-    /// Part of the input that the failure is about: the name of a parameter or option, or a path below it, such as
-    /// `density/values/7`, or a JSON Pointer. Empty if the failure is not about a part of the input.
+    /// Returns the part of the input that the failure is about: the name of a parameter or option, or a path below it,
+    /// such as `density/values/7`, or a JSON Pointer. Empty if the failure is not about a part of the input.
     const std::string& field() const noexcept { return field_; }
 
 private:

@@ -75,7 +75,7 @@ struct UnitBox {
         return inside;
     }
 
-    /// Magnitude of a frequency for the box scaled to unit area or volume, in cycles per unit of length.
+    /// Returns the magnitude of a frequency for the box scaled to unit area or volume, in cycles per unit of length.
     double frequency(Wave wave) const {
         const double flat = std::hypot(wave.x / sides.x, wave.y / sides.y);
         if constexpr (kAxes<P> == 3) return std::hypot(flat, wave.z / sides.z);
@@ -89,7 +89,8 @@ struct UnitBox {
         return std::abs(wave.x) <= lobe && std::abs(wave.y) <= lobe && std::abs(wave.z) <= lobe;
     }
 
-    /// Frequencies below this count as low. In space, it is half the principal frequency of the densest packing.
+    /// Returns the frequency below which frequencies count as low. In space, it is half the principal frequency of the
+    /// densest packing.
     static double low() { return kAxes<P> == 2 ? 0.5 : std::sqrt(1.5) / kCubicSpacing / 2; }
 };
 
@@ -183,7 +184,7 @@ Result<Plan> make_plan(Sets<P> sets, const UnitBox<P>& frame, const AnalysisOpti
     return plan;
 }
 
-/// Hann's window along one axis, scaled such that the mean of its square is 1.
+/// Returns Hann's window along one axis, scaled such that the mean of its square is 1.
 double hann(double share) {
     return (1 - std::cos(2 * std::numbers::pi * share)) * std::sqrt(2.0 / 3);
 }

@@ -25,7 +25,7 @@ double along(const Oriented& p, std::size_t axis) {
     return along(p.point, axis);
 }
 
-/// Squared distance of two points; infinite if they are not neighbours.
+/// Returns the squared distance of two points; infinite if they are not neighbours.
 template <class P>
 double squared_distance(const P& a, const P& b) {
     const P apart = a - b;

@@ -107,8 +107,8 @@ public:
         std::ranges::sort(pairs_, {}, [](const Pair& pair) { return std::tuple(-pair.limit, pair.i, pair.j); });
     }
 
-    /// The pairs to list, in ascending order of their relative distance. Of many coincident points, only some pairs are
-    /// listed.
+    /// Returns the pairs to list, in ascending order of their relative distance. Of many coincident points, only some
+    /// pairs are listed.
     std::span<const Pair> pairs() const { return pairs_; }
 
     float operator()(std::uint32_t point) const { return crowding_[slots_[point]]; }

@@ -122,7 +122,7 @@ public:
     Stop next(Stop stop) const { return at(positions_[stop] + 1); }
     Stop previous(Stop stop) const { return at(positions_[stop] + size() - 1); }
 
-    /// Number of steps forward from one stop to another.
+    /// Returns the number of steps forward from one stop to another.
     std::uint32_t steps(Stop from, Stop to) const { return wrapped(positions_[to] + size() - positions_[from]); }
 
     /// Reverses the order of the stops from `first` forward to `last`.
