@@ -59,7 +59,7 @@ public:
 
     const std::vector<std::string>& fields() const { return fields_; }
 
-    /// Beginning of messages about the current record.
+    /// Returns the beginning of messages about the current record.
     std::string position() const { return "line " + std::to_string(line_); }
 
 private:

@@ -144,7 +144,8 @@ struct Turn {
 
     Turn then_rotated(std::uint32_t more) const { return {mirrored, (quarters + more) % 4}; }
 
-    /// A mirroring from top to bottom is one from left to right and a half turn. Turns before it become opposite ones.
+    /// Adds a mirroring. A mirroring from top to bottom is one from left to right and a half turn; turns before a
+    /// mirroring become opposite ones.
     Turn then_mirrored(bool top_to_bottom) const { return {!mirrored, ((top_to_bottom ? 6 : 4) - quarters) % 4}; }
 
     /// Returns the equivalent orientation of EXIF.

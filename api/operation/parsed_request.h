@@ -19,10 +19,11 @@ class ParsedRequest {
 public:
     virtual ~ParsedRequest() = default;
 
-    /// Cost of computing the answer, including the memory of the request itself.
+    /// Returns the cost of computing the answer, including the memory of the request itself.
     virtual Cost cost() const = 0;
 
-    /// Upper estimate of the size of the answer's body in bytes. Unlike `Cost::answer`, it may be far too large.
+    /// Returns an upper estimate of the size of the answer's body in bytes. Unlike `Cost::answer`, it may be far too
+    /// large.
     virtual std::size_t largest_answer() const = 0;
 
     /// Whether the request accepts a partial answer when the computation is stopped.

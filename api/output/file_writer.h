@@ -53,7 +53,7 @@ public:
 
     const OutputTarget& target() const { return target_; }
 
-    /// Path of the temporary file; empty if there is none.
+    /// Returns the path of the temporary file; empty if there is none.
     const std::string& temporary() const { return temporary_; }
 
 private:

@@ -87,7 +87,7 @@ public:
         return gltf.wrong("its nodes do not form a tree");
     }
 
-    /// The instances of meshes in the scene, parents first.
+    /// Returns the instances of meshes in the scene, parents first.
     const std::vector<Instance>& instances() const { return instances_; }
 
     /// Computes the matrices of all nodes relative to the scene. Nodes that are their own ancestors have no matrix.
