@@ -43,7 +43,7 @@ public:
     /// quarter of its capacity, so that one answer cannot evict all others.
     void store(const std::string& name, const api::Answer& answer);
 
-    /// Size limit of stored bodies, in bytes.
+    /// Returns the size limit of stored bodies, in bytes.
     std::size_t largest() const { return std::max(max_bytes_ / 4, shared_ ? RedisCache::kLargest : 0); }
 
     Load load() const;

@@ -134,7 +134,7 @@ public:
         max_used_ = std::max(max_used_, std::min(count, lent_));
     }
 
-    /// Maximum number of threads that worked at the same time.
+    /// Returns the maximum number of threads that worked at the same time.
     std::size_t max_used() const { return max_used_; }
 
 private:

@@ -71,7 +71,7 @@ public:
     /// computations apply the new number at their next parallel step.
     void lend(std::size_t threads) { threads_.store(static_cast<std::uint32_t>(threads)); }
 
-    /// Number of threads that each computation may use; initially 1.
+    /// Returns the number of threads that each computation may use; initially 1.
     std::size_t lent() const { return threads_.load(); }
 
     /// Whether the fork server can fork processes now, or is starting for the first time.

@@ -17,7 +17,7 @@ struct DescriptorPlan {
     bool fits() const { return wanted <= allowed; }
 };
 
-/// Number of descriptors needed if all connections allowed by the flags are open.
+/// Returns the number of descriptors needed if all connections allowed by the flags are open.
 std::size_t wanted_descriptors(const Config& config);
 
 /// Divides the descriptors. Reserves those of the server itself, its computations and its connections to Redis. The

@@ -84,10 +84,11 @@ public:
     /// functions.
     api::Decode functions();
 
-    /// Number of children so far that crashed, were killed, exceeded a limit or wrote an invalid reply.
+    /// Returns the number of children so far that crashed, were killed, exceeded a limit or wrote an invalid reply.
     std::uint64_t deaths() const { return counts_.deaths; }
 
-    /// Processor time of all children so far. If a child does not report its time, its elapsed time is counted.
+    /// Returns the processor time of all children so far. If a child does not report its time, its elapsed time is
+    /// counted.
     std::chrono::microseconds processor_time() const { return std::chrono::microseconds(counts_.used_us); }
 
     struct Counts {

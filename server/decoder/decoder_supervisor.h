@@ -36,19 +36,20 @@ public:
     /// @returns  false if no helper ran by the time limit, or if a stop was requested
     bool relay(const Order& order, const std::stop_token& stop);
 
-    /// Number of restarts of the helper, including one in progress.
+    /// Returns the number of restarts of the helper, including one in progress.
     std::uint64_t restarts() const { return helper_->restarts(); }
 
     /// Whether the helper has replied recently.
     bool is_responsive() const { return helper_->is_responsive(); }
 
-    /// Number of times that the helper stopped replying.
+    /// Returns the number of times that the helper stopped replying.
     std::uint64_t silences() const { return helper_->silences(); }
 
     /// Whether the helper is ready now, or starting for the first time.
     bool is_ready() const { return helper_->is_ready(); }
 
-    /// The confinement that the first helper reported. Must not be called before wait_until_ready() has succeeded.
+    /// Returns the confinement that the first helper reported. Must not be called before wait_until_ready() has
+    /// succeeded.
     const Confinement& confinement() const { return *confinement_; }
 
 private:

@@ -22,7 +22,7 @@ public:
     OpenFile(UniqueFd file, std::size_t size, std::string_view noun)
         : file_(std::move(file)), size_(size), noun_(noun) {}
 
-    /// Size of the file in bytes when it was opened.
+    /// Returns the size of the file in bytes when it was opened.
     std::size_t size() const { return size_; }
 
     /// Reads the whole file and closes it. Must be called at most once.

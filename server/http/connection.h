@@ -102,21 +102,22 @@ public:
     /// Whether the connection has a reserve slot. Such connections are closed after their first request.
     bool in_reserve() const { return slot_ != nullptr && slot_->connection_class() == ConnectionClass::Reserve; }
 
-    /// The client or proxy that connected.
+    /// Returns the client or proxy that connected.
     const Peer& peer() const { return peer_; }
 
-    /// The sender of the current request: the peer or, if the peer is a trusted proxy, the client that the proxy names.
+    /// Returns the sender of the current request: the peer or, if the peer is a trusted proxy, the client that the
+    /// proxy names.
     const Peer& client() const { return client_; }
     void set_client(Peer client) { client_ = std::move(client); }
 
-    /// Name of the sender for fair queueing: the name set by name_client(), or else the address.
+    /// Returns the name of the sender for fair queueing: the name set by name_client(), or else the address.
     const std::string& client_name() const { return client_name_.empty() ? client_.address : client_name_; }
     void name_client(std::string name, std::string key) {
         client_name_ = std::move(name);
         key_ = std::move(key);
     }
 
-    /// Name of the API key of the current request; empty: none.
+    /// Returns the name of the API key of the current request; empty: none.
     const std::string& key() const { return key_; }
 
     std::uint64_t bytes_in() const { return bytes_in_; }  ///< bytes received for the current request

@@ -64,7 +64,7 @@ public:
     /// Refuses new connections and makes `serve` end. May be called from any thread, at any time.
     void drain();
 
-    /// Numbers of open and refused connections.
+    /// Returns the numbers of open and refused connections.
     Capacity::Counts connections() const { return capacity_.counts(); }
 
 private:

@@ -34,7 +34,7 @@ struct Request {
     bool keep_alive = true;  ///< the client permits more requests on this connection
     bool expects_continue = false;
 
-    /// Value of the first header that is named `name`, ignoring case; empty if there is none.
+    /// Returns the value of the first header that is named `name`, ignoring case; empty if there is none.
     std::string_view header(std::string_view name) const;
 
     /// Whether a body follows the head, even an empty one.

@@ -56,7 +56,7 @@ public:
     /// Returns a token that requests a stop when the result is no longer needed.
     std::stop_token unneeded() const { return unneeded_.get_token(); }
 
-    /// Id of the job in the pool; none: not in the pool.
+    /// Returns the id of the job in the pool; none: not in the pool.
     std::optional<WorkerPool::JobId> pool_id() const;
 
     /// Calls `submit`, which passes the job to the pool and returns its id there. Calls of stop() wait meanwhile.

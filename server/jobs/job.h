@@ -20,7 +20,7 @@ enum class JobStatus { Queued, Running, Succeeded, Failed, Cancelled };
 /// Returns the word for a status, as used in answers, logs, metrics and stores.
 std::string_view name_of(JobStatus status);
 
-/// Inverse of name_of(); none if the word is unknown.
+/// Returns the status that a word names, as the inverse of name_of(); none if the word is unknown.
 std::optional<JobStatus> status_named(std::string_view name);
 
 inline bool is_finished(JobStatus status) {

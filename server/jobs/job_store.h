@@ -140,7 +140,7 @@ public:
     /// If notifications come from another process, calls `missed` when they begin to arrive.
     virtual void listen(JobListener* listener) = 0;
 
-    /// Number of times that damaged stored data was found.
+    /// Returns the number of times that damaged stored data was found.
     virtual std::uint64_t damages() const { return 0; }
 
     /// Returns the bytes that a job takes in the store.

@@ -34,10 +34,10 @@ public:
     /// @param path  path of the file, or ":memory:"
     explicit SqliteJobTables(const std::string& path);
 
-    /// Bytes that all jobs together take.
+    /// Returns the bytes that all jobs together take.
     std::size_t bytes() const { return bytes_; }
 
-    /// Number of indices and jobs that were found damaged and repaired.
+    /// Returns the number of indices and jobs that were found damaged and repaired.
     std::uint64_t damages() const { return damages_; }
 
     /// Returns the unfinished jobs in the sequence in which they were added.

@@ -49,14 +49,14 @@ public:
     /// Whether the body has ended and all pieces were taken.
     bool is_over() const;
 
-    /// The outcome of the body, once it is over, and the timings of its computation.
+    /// Returns the outcome of the body, once it is over, and the timings of its computation.
     Result<void> outcome() const;
     api::Timings timings() const;
 
     /// Stops the computation, and makes further push() calls fail.
     void abandon();
 
-    /// The source of the computation's stop token.
+    /// Returns the source of the computation's stop token.
     std::stop_source& stop() { return stop_; }
 
 private:

@@ -47,7 +47,7 @@ public:
         entries_.push_back({client, cost, start_tag, generation_, std::move(item)});
     }
 
-    /// Number of times that the queue has forgotten the service received.
+    /// Returns the number of times that the queue has forgotten the service received.
     std::uint64_t generation() const { return generation_; }
 
     /// Replaces the estimated cost of an item that was taken by its real cost. Also moves the waiting items of the

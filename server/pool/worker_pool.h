@@ -115,7 +115,7 @@ public:
     /// return quickly. Must be called before the first job is submitted.
     void on_change(std::function<void(std::size_t running)> callback) { callback_ = std::move(callback); }
 
-    /// The memory budget of running jobs.
+    /// Returns the memory budget of running jobs.
     MemoryBudget& memory() { return memory_; }
     const MemoryBudget& memory() const { return memory_; }
 

@@ -27,7 +27,7 @@ public:
 
     pid_t id() const { return process_; }
 
-    /// A descriptor for poll() that is readable once the child has ended; -1 if unavailable.
+    /// Returns a descriptor for poll() that is readable once the child has ended; -1 if unavailable.
     int ended() const { return pidfd_.get(); }
 
     /// Sends SIGKILL. Has no effect after the child has ended.

@@ -7,13 +7,14 @@
 
 namespace ccdt::server {
 
-/// Resident memory of this process in bytes; 0 if unknown.
+/// Returns the resident memory of this process in bytes; 0 if unknown.
 std::size_t resident_bytes();
 
-/// Memory limit of this process in bytes: the memory of the machine, or a lower limit of its control groups.
+/// Returns the memory limit of this process in bytes: the memory of the machine, or a lower limit of its control
+/// groups.
 std::size_t available_memory();
 
-/// Limit of the address space in bytes (ulimit -v); none if there is no limit.
+/// Returns the limit of the address space in bytes (ulimit -v); none if there is no limit.
 std::optional<std::size_t> address_space_limit();
 
 /// Makes the allocator return freed blocks of at least this size to the system. By default, glibc raises its thresholds
@@ -24,7 +25,7 @@ void give_back_freed_memory(int bytes);
 /// memory. Must be called before threads are created.
 void share_heap_among_threads();
 
-/// Processor time of this process, over all threads.
+/// Returns the processor time of this process, over all threads.
 std::chrono::microseconds processor_time();
 
 std::size_t open_descriptors();

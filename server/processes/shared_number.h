@@ -34,7 +34,7 @@ public:
     void store(std::uint32_t value);
     std::uint32_t load() const;
 
-    /// A file through which another process can map the number for reading only.
+    /// Returns a file through which another process can map the number for reading only.
     const UniqueFd& file() const { return file_; }
 
 private:

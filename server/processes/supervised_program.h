@@ -66,10 +66,10 @@ public:
     /// Whether the program has replied recently. Also true while the program does not run.
     bool is_responsive() const { return responsive_; }
 
-    /// Number of restarts of the program, including one in progress.
+    /// Returns the number of restarts of the program, including one in progress.
     std::uint64_t restarts() const { return restarts_; }
 
-    /// Number of times that the program stopped replying.
+    /// Returns the number of times that the program stopped replying.
     std::uint64_t silences() const { return silences_; }
 
 private:

@@ -21,7 +21,7 @@ struct RedisAddress {
     /// Errors (Malformed): another form, or an address of Redis Sentinel. The message does not contain the password.
     static Result<RedisAddress> parse(std::string_view text);
 
-    /// Host and port, for messages.
+    /// Returns the host and port, for messages.
     std::string name() const { return host + ':' + port; }
 };
 

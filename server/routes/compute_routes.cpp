@@ -210,7 +210,7 @@ public:
     /// Ends the body. After an error, the body is incomplete.
     void close(Result<void> outcome) { pipe_->close(std::move(outcome), timings_, memory_); }
 
-    /// The source that stops the computation when the connection abandons the body.
+    /// Returns the source that stops the computation when the connection abandons the body.
     std::stop_source& stop() { return pipe_->stop(); }
 
     /// Returns the whole answer after the end of the body; null if it is too large for the cache.

@@ -44,10 +44,11 @@ public:
 
     const ResultCache& cache() const { return cache_; }
 
-    /// From now on, computes an answer only for the first request of each connection, and refuses later ones.
+    /// Begins the shutdown: from now on, computes an answer only for the first request of each connection, and refuses
+    /// later ones.
     void drain() { draining_ = true; }
 
-    /// From now on, tells all waiting clients that the server is shutting down.
+    /// Tells all waiting clients, also those of later requests, that the server is shutting down.
     void abandon() { abandoned_ = true; }
 
     /// Makes a problem whose Retry-After is the estimated time until the waiting requests are computed.

@@ -51,13 +51,14 @@ public:
 
     const ResultCache& cache() const { return computing_.cache(); }
 
-    /// From now on, reports that the server is not ready, and refuses computations (see ComputeRoutes::drain).
+    /// Begins the shutdown: from now on, reports that the server is not ready, and refuses computations (see
+    /// ComputeRoutes::drain).
     void drain() {
         draining_ = true;
         computing_.drain();
     }
 
-    /// From now on, tells all waiting clients that the server is shutting down.
+    /// Tells all waiting clients, also those of later requests, that the server is shutting down.
     void abandon() { computing_.abandon(); }
 
 private:

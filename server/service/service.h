@@ -48,7 +48,7 @@ public:
     /// Errors: Internal if a program did not become ready; Stopped.
     Result<void> wait_until_ready(const std::stop_token& stop) const;
 
-    /// The listening address: a URL, or `unix:PATH`.
+    /// Returns the listening address: a URL, or `unix:PATH`.
     std::string address() const;
 
     /// Reloads the key files. An error leaves the present keys in use.
