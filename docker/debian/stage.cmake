@@ -22,6 +22,14 @@ function(compress)
     execute_process(COMMAND gzip -9nf ${ARGN} COMMAND_ERROR_IS_FATAL ANY)
 endfunction()
 
+# Copies a document in Markdown. Replaces links to other files of the source, which packages do not contain, by their
+# texts.
+function(copy_without_links from to)
+    file(READ ${from} text)
+    string(REGEX REPLACE "\\[([^]]+)\\]\\([^#):][^):]*\\)" "\\1" text "${text}")
+    file(WRITE ${to} "${text}")
+endfunction()
+
 # Adds the documents that every package contains: its licence, its changes, and those of the project. Adds its exceptions
 # for lintian, if any, and compresses its manual pages.
 function(add_documents package root)
@@ -29,7 +37,7 @@ function(add_documents package root)
     string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)
     configure_file(${here}/changelog.in ${folder}/changelog @ONLY)
     configure_file(${here}/copyright ${folder}/copyright COPYONLY)
-    configure_file(${source}/CHANGELOG.md ${folder}/CHANGELOG.md COPYONLY)
+    copy_without_links(${source}/CHANGELOG.md ${folder}/CHANGELOG.md)
     if(EXISTS ${here}/${package}.lintian-overrides)
         configure_file(${here}/${package}.lintian-overrides ${root}/usr/share/lintian/overrides/${package} COPYONLY)
     endif()
@@ -41,7 +49,7 @@ endfunction()
 # description of its operation.
 function(add_service root)
     configure_file(${here}/ccdt-server.service ${root}/lib/systemd/system/ccdt-server.service COPYONLY)
-    configure_file(${source}/server/README.md ${root}/usr/share/doc/ccdt-server/README.md COPYONLY)
+    copy_without_links(${source}/server/README.md ${root}/usr/share/doc/ccdt-server/README.md)
     execute_process(COMMAND ${root}/usr/bin/ccdt-server --help
         COMMAND sed -nE "s/^  --[a-z-]+ [A-Z]+ +([A-Z_]+) +(.*)/\\n# \\u\\2\\n#\\1=/p"
         OUTPUT_VARIABLE variables COMMAND_ERROR_IS_FATAL ANY)

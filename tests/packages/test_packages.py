@@ -3,7 +3,9 @@
 
 import contextlib
 import datetime
+import gzip
 import hashlib
+import io
 import json
 import os
 import pathlib
@@ -11,6 +13,7 @@ import re
 import signal
 import subprocess
 import sys
+import tarfile
 import tempfile
 import time
 import unittest
@@ -178,6 +181,17 @@ class Packages(unittest.TestCase):
                             "--suppress-tags=pkg-config-unavailable-for-cross-compilation", *PACKAGES.values()],
                            PATIENCE_TO_INSTALL, capture_output=True, text=True, check=False)
         self.assertEqual((done.returncode, done.stdout), (0, ""), done.stderr)
+
+    def test_contain_documents_without_links_to_files_of_the_source(self):
+        for name, package in PACKAGES.items():
+            archive = execute(["dpkg-deb", "--fsys-tarfile", package], check=True, capture_output=True).stdout
+            with tarfile.open(fileobj=io.BytesIO(archive)) as files:
+                texts = {member.name: gzip.decompress(files.extractfile(member).read()).decode()
+                         for member in files if member.name.endswith(".md.gz")}
+            with self.subTest(package=name):
+                self.assertTrue(texts)
+                links = re.findall(r"\]\((?!#|https?:)([^)]+)\)", "".join(texts.values()))
+                self.assertEqual(links, [])
 
     def test_depend_on_each_other_by_the_same_version(self):
         self.assertEqual(set(PACKAGES), set(NEEDED))
