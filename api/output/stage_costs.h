@@ -28,7 +28,7 @@ Estimate decoding_cost(const ImageFile& file, double planes = kGreyPlanes);
 /// Estimates the cost of computing the integrals of a density grid.
 Estimate density_cost(double cells);
 
-/// Estimates the cost of finding the zones of a density. The time is that of noise, which takes longest.
+/// Estimates the cost of finding the zones of a density. The time is the time for noise, which takes longest.
 Estimate zones_cost(double cells);
 
 /// Estimates the cost of drawing dots as pixels.

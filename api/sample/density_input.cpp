@@ -30,7 +30,7 @@ struct DensityDraft {
 /// Checks the number of values.
 /// @param wanted  the number of values that is wanted, in words
 Result<void> check_values(const Input& input, const DensityDraft& draft, std::string_view wanted) {
-    // Sides are below 2^31, so the product of two is exact, and that of three is limited.
+    // Sides are below 2^31, so the product of two sides is exact. The product of three sides is limited.
     const std::uint64_t layer = static_cast<std::uint64_t>(*draft.width) * static_cast<std::uint64_t>(*draft.height);
     const auto layers = static_cast<std::uint64_t>(draft.depth.value_or(1));
     const std::uint64_t cells = layer > kMaxInteger / layers ? kMaxInteger : layer * layers;

@@ -58,7 +58,7 @@ private:
     const SurfaceHeader& header_;
     const DecodePicture& decode_;
     TriangleSoup& soup_;
-    std::map<std::size_t, std::uint32_t> numbers_;  ///< of the materials; that of a missing one is their number
+    std::map<std::size_t, std::uint32_t> numbers_;  ///< of materials by index in the file; their count: no material
     std::map<std::size_t, Place> pictures_;         ///< of the images
     std::string error_;
 };

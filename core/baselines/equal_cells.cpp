@@ -73,7 +73,8 @@ bool EqualCells::swap(std::uint32_t first, std::uint32_t second) {
     const Point way = images_.shortest(sites_[second] - sites_[first]);
     const double squared = dot(way, way), length = std::sqrt(squared);
     const double least = kMinGain * squared;
-    // No sample gains more than a sample at the point of the cell's circle that is nearest to the other site.
+    // A sample gains at most as much as a sample at the point of its cell's circle that is nearest to the other site.
+    // If the largest gains of the two cells add up to less than 0, no swap lowers the energy.
     if (radii_[first] + radii_[second] < length) return false;
     const double most_first = find_gains(first, second, first_gains_);
     if (most_first + length * (2 * radii_[second] - length) < 0) return false;

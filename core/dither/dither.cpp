@@ -28,7 +28,7 @@ float luminance_of_colour(const Light& light) {
     return luminance_of(light.red, light.green, light.blue);
 }
 
-/// Returns a mixture of two colours. The share is that of the second one.
+/// Returns a mixture of two colours. `share` is the share of the second colour.
 Light mixture(const Light& a, const Light& b, float share) {
     return {std::lerp(a.red, b.red, share), std::lerp(a.green, b.green, share), std::lerp(a.blue, b.blue, share)};
 }
@@ -80,7 +80,8 @@ std::size_t darkest(std::span<const Light> colours) {
 }
 
 /// Chooses the colours of pixels for a device with two colours, of which the darker one prints spots.
-/// @param wanted  [width * height] mixtures of the lighter colour and the darkest print, which are those of `device`
+/// @param wanted  [width * height] mixtures of the two colours of `device`, which are the lighter colour and the
+///                darkest print
 std::vector<std::uint8_t> choose_spots(std::span<const DeviceColours::Opponent> wanted,
                                        std::span<const std::uint8_t> given, int width, int height,
                                        const DeviceColours& device, std::size_t dark, const PrintedSpot& spot,

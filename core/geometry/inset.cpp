@@ -484,7 +484,8 @@ public:
 
     /// Whether a corner of the area that remains after subtracting border() is too near to the border of the domain.
     bool is_too_near(Point p) const {
-        // kRounding is relative to the distance. kRoundings is in resolutions, and half of the margin of the discs.
+        // Tolerances: kRounding is relative to the distance; kRoundings is in units of the resolution, and half of the
+        // margin of the discs.
         constexpr double kRounding = 1e-6, kRoundings = 2;
         std::uint32_t at = 0;
         Cell cell = kRoot;

@@ -23,7 +23,7 @@ public:
     /// Whether an edge joins two vertices. O(neighbours of the vertex that has fewer).
     bool are_joined(std::uint32_t a, std::uint32_t b) const;
 
-    /// Adds a triangle without twins, and returns its number, which may be that of a removed triangle.
+    /// Adds a triangle without twins, and returns its number, which a removed triangle may have had.
     std::uint32_t add(const std::array<std::uint32_t, 3>& corners);
     void add_vertices(std::size_t count) { edge_of_.resize(edge_of_.size() + count, kNone); }
     /// Splits a triangle into three at a vertex.

@@ -11,7 +11,7 @@ namespace ccdt::server {
 /// still answered, unless an option was wrong. The names of options and of all outputs are checked before any input is
 /// read.
 /// @param arguments  arguments after the name of the command
-/// @returns          exit status: see exit_statuses(); that of the first failure
+/// @returns          exit status of the first failure; 0 without failures; see exit_statuses()
 int run_command(const Command& command, std::span<const char* const> arguments);
 
 }  // namespace ccdt::server

@@ -65,8 +65,8 @@ public:
 
     Counts counts() const;
 
-    /// Closes one idle connection without unread bytes, of any class: the one whose minimum idle time ends, or has
-    /// ended, before that of all others. It is closed even if this time has not ended yet.
+    /// Closes one idle connection without unread bytes, of any class: the one whose minimum idle time ends first, or
+    /// has ended first. It is closed even if this time has not ended yet.
     /// @returns  false if there is no such connection
     bool close_first_idle();
 

@@ -53,7 +53,8 @@ Result<void> read_side(const Input& input, const Limits&, Draft& draft) {
     return assign(draft.sides.*kSide, read_number(input, kPositive));
 }
 
-/// The first one, crease, is only for solids. The last ones are the sides of a domain that is given as a word.
+/// The first rule, for crease, is only for solids. The last three are for the sides of a domain that is given as a
+/// word.
 constexpr auto kRules = with_shared_rules(std::array<OptionRule<Draft>, 7>{{
     {"domain", [](const Input& i, const Limits&, Draft& d) { return read_domain(i, d); }},
     {"density", [](const Input& i, const Limits& l, Draft& d) { return assign(d.density, read_voxels(i, l)); }},

@@ -33,8 +33,8 @@ struct VolumeRequest : SampleRequest3<VolumeOptions, PlacedVolume> {
 /// Returns the names of the options.
 std::vector<std::string_view> volume_options();
 
-/// Whether a JSON body requests points in space: its domain is a box, has a depth, or is a word. A mask with a depth
-/// does not.
+/// Whether a JSON body requests points in space: its domain is a box, has a depth, or is a word. The domain of a mask
+/// may have a depth, too, but does not count.
 bool asks_for_volume(JsonValue root);
 
 /// Whether options beside a mesh request points inside it instead of points on its surface.

@@ -27,7 +27,7 @@ Result<std::vector<PolygonPart>> unrolled(std::vector<PolygonPart> parts);
 /// and shifted by whole turns. Other regions are returned unchanged. Errors: those of Domain::enclosed_by.
 Result<Domain> in_one_turn(const Domain& degrees, const std::stop_token& stop = {});
 
-/// Least positive distance from a border, in metres. Smaller ones are close to the rounding errors of degrees.
+/// Least positive distance from a border, in metres. Smaller distances are close to the rounding errors of degrees.
 inline constexpr double kMinBuffer = 1e-5;
 
 /// A part of a region of the globe, on its own chart.

@@ -38,8 +38,8 @@ struct GridFrame {
         const auto rows = static_cast<std::size_t>(cells[1]);
         return (margin(2) + line / rows) * padded(1) + margin(1) + line % rows;
     }
-    /// Maps the padded index of a margin cell to that of the cell inside the grid that it repeats. Returns other
-    /// indices unchanged.
+    /// Maps the padded index of a margin cell to the padded index of the cell that it repeats. Returns other indices
+    /// unchanged.
     std::size_t folded(std::size_t index, std::size_t axis) const {
         const int count = cells[axis], i = static_cast<int>(index) - static_cast<int>(margin(axis));
         const int period = torus ? count : 2 * count, k = ((i % period) + period) % period;

@@ -45,8 +45,8 @@ Footprint footprint_of(double position, int side) {
     return footprint;
 }
 
-/// Calls add(cell, weight * share) for each cell of a grid over which a point is spread. A grid with one layer is the
-/// sum of all layers.
+/// Calls add(cell, weight * share) for each cell of a grid over which a point is spread. A grid with one layer receives
+/// the sums over z, so z is ignored.
 /// @param cells  columns, rows, layers
 template <class P, class Add>
 void spread(const P& position, double weight, const std::array<int, 3>& cells, Add&& add) {

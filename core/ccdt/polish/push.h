@@ -47,7 +47,7 @@ P pushed_off(const BasicCellList<P>& sites, P p, double range, P move, PushOf&& 
     return move;
 }
 
-/// The same for sites that do not push coincident ones.
+/// Returns the same, for sites that do not push coincident sites.
 template <class P, class PushOf>
 P pushed_off(const BasicCellList<P>& sites, P p, double range, P move, PushOf&& push_of) {
     return pushed_off(sites, p, range, move, push_of, [] { return P{}; });

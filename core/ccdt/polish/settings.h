@@ -16,8 +16,8 @@ enum class Quality {
 };
 
 /// Schedule of a polish, in order of execution, and the strength of its steps. Every reach is relative to the hexagonal
-/// distance: for pushes within an ink, that of the ink's own sites; for pushes between inks, that of the sites of all
-/// inks. "Waves" are long waves.
+/// distance of the sites that are pushed: of the ink's own sites for pushes within an ink, of the sites of all inks for
+/// pushes between inks. "Waves" are long waves.
 struct PolishSettings {
     /// For dot maps: number of iterations, up to the last one, that begin with a push and a removal of waves.
     int early = 0;

@@ -116,7 +116,7 @@ public:
     }
 
     std::size_t coefficient_count() const { return frame_.lines() * line_size(); }
-    /// Returns the number of coefficients that only differ in the periods along x, and which follow each other.
+    /// Returns the number of successive coefficients whose waves differ only in the periods along x.
     std::size_t line_size() const { return windows_[0].size(); }
     /// Returns the wave of the first coefficient in a line.
     Wave first_wave(std::size_t line) const {

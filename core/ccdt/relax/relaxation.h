@@ -228,7 +228,7 @@ private:
     TriangleGoals goals_;
 
     std::vector<std::uint8_t> kinds_;  ///< [sites] kind of each site, as long as there are records
-    /// [sites] level of a site: that of the smallest block that contains the site and all its free neighbours
+    /// [sites] level of the smallest block that contains a site and all its free neighbours
     std::vector<std::uint8_t> levels_;
     std::vector<std::vector<Group>> groups_;  ///< [levels][blocks] groups of sites
     /// Memory for the records of all level-0 blocks. It is allocated and freed in one piece, because freed pieces of

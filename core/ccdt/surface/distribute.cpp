@@ -23,9 +23,9 @@ namespace ccdt {
 
 namespace {
 
-/// Distance of fixed points, relative to the hexagonal distance, below which they count as one.
+/// Distance of two fixed points, relative to the hexagonal distance, below which only the first one is used.
 constexpr double kSameFixed = 0.25;
-/// Distance of fixed points, relative to the hexagonal distance, below which they share the area of one site.
+/// Distance of two fixed points, relative to the hexagonal distance, below which they share the area of one site.
 constexpr double kClusteredFixed = 0.7;
 
 double total_mass(const Surface& surface, const SurfaceDensity& density) {
@@ -99,7 +99,7 @@ private:
             creases,  *control_.executor, control_.stop};
     }
 
-    /// @returns  new points of all sites, if some could only be moved apart without the triangulation
+    /// @returns  new points of all sites, if some sites could be moved apart only without the triangulation
     std::optional<std::vector<SurfacePoint>> polish(SiteRelaxation& relaxation) {
         SitePolish steps(*mesh_, density_, capacity_, relaxation, control_.stop);
         const double least = settings_->least;
@@ -160,7 +160,7 @@ private:
     }
 
     /// Returns points that are at least `least` apart, relative to the hexagonal distance: each point that is far
-    /// enough from the chosen ones before it.
+    /// enough from the points chosen before it.
     std::vector<SurfacePoint> apart(const std::vector<SurfacePoint>& points, double least, double capacity) const {
         std::vector<SurfacePoint> chosen;
         if (points.empty()) return chosen;

@@ -19,8 +19,8 @@ namespace {
 
 constexpr std::uint32_t kNone = SurfaceTriangulation::kNone;
 
-/// Triangulates a surface between vertices on its borders and creases: all vertices of the surface there, and further
-/// ones that are close compared with the spacing.
+/// Triangulates a surface between vertices on its borders and creases: the vertices of the surface there, and further
+/// vertices, which are close together compared with the spacing.
 SurfaceTriangulation mesh_of_borders(const Surface& surface, std::vector<double> spacings, std::size_t sites,
                                      Executor& executor, const std::stop_token& stop) {
     constexpr std::size_t kFine = 3;  // distance of vertices on borders, relative to the spacing

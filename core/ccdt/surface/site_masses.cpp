@@ -143,9 +143,9 @@ std::vector<std::uint32_t> SiteMasses::first_triangles(const SurfaceTriangulatio
     return near;
 }
 
-/// Returns the triangle at which the search for a piece begins: its earlier one or that of a close piece. If both are
-/// far away, as in long faces, it is one at the nearest of some sites on the face (Muecke, Saias and Zhu 1999, "Fast
-/// randomized point location without preprocessing").
+/// Returns the triangle at which the search for a piece begins: the previous triangle of the piece, or the triangle of
+/// a close piece. If both are far away, as in long faces, returns a triangle at the nearest of some sites on the face
+/// (Muecke, Saias and Zhu 1999, "Fast randomized point location without preprocessing").
 /// O(1); O(sqrt(sites)) if both are far away.
 std::uint32_t SiteMasses::start_of(const SurfaceTriangulation& mesh, const Piece& piece, std::uint32_t close) {
     constexpr double kFar = 32;  // edges

@@ -10,10 +10,10 @@
 
 namespace ccdt {
 
-/// An order in which free sites of a mesh are moved, many of them in parallel. The result does not depend on the
-/// number of threads. Each site belongs to the smallest block that contains it and its free neighbours. The sites
-/// of a block are moved one after another, the blocks of a level in parallel, and the levels from small blocks to large
-/// ones.
+/// An order in which free sites of a mesh are moved, many of them in parallel. The result does not depend on the number
+/// of threads. Each site belongs to the smallest block that contains it and its free neighbours. The sites of a block
+/// are moved one after another, and the blocks of a level in parallel. Levels follow each other, from small blocks to
+/// large blocks.
 class SiteOrder {
 public:
     /// Computes the order of the sites that `moves` accepts. It is valid until edges change. O(sites).

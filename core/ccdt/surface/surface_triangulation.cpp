@@ -337,7 +337,8 @@ std::size_t SurfaceTriangulation::legalise(std::size_t most, const std::stop_tok
     return flips;
 }
 
-/// Returns the squared length of an edge on the surface; that of the straight edge if the unfolded one is unknown.
+/// Returns the squared length of an edge on the surface. If the unfolded edge is unknown, returns the squared length of
+/// the straight edge.
 double SurfaceTriangulation::squared_length(std::uint32_t a, std::uint32_t b) const {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const auto [from, to] = std::minmax(a, b);

@@ -19,8 +19,8 @@ std::optional<Unfolded> unfolded(const Surface& surface, const SurfacePoint& fro
     constexpr double kMaxOffset = 0.2;         // of the end of the line, relative to its length
     const Point3 first = surface.normal(from.face), second = surface.normal(face);
     const double cosine = dot(first, second), squared_sine = 1 - cosine * cosine;
-    // Distances of the points from the plane of the other point, times the sign of the fold, which is convex or
-    // concave.
+    // Distance of each point from the plane of the other point's face. The sign depends on whether the fold is convex
+    // or concave.
     const double before = dot(straight, second), after = -dot(straight, first);
     if (squared_sine < kMinSquaredSine || before * after < 0) return std::nullopt;
     const Point3 axis = cross(first, second);

@@ -235,8 +235,8 @@ Solid::Coverage Solid::coverage(double count, const std::stop_token& stop) const
             });
         });
     }
-    // So far, each cell holds the difference between its mean winding number and that of the next cell along x. Sums
-    // give the winding numbers.
+    // So far, each cell holds its mean winding number minus the mean winding number of the next cell along x. Sums give
+    // the winding numbers.
     constexpr double kRounding = 1e-9;
     for (std::size_t line = 0; line < rows * layers; ++line) {
         double winding = 0;

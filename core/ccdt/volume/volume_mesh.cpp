@@ -79,7 +79,7 @@ public:
 
 private:
     static constexpr double kRounding = 1e-7;   ///< relative error of computed spheres
-    static constexpr double kFirstSearch = 32;  ///< radius of a sphere relative to that of the first search in it
+    static constexpr double kFirstSearch = 32;  ///< radius of a sphere / radius of the first search in it
 
     struct Sphere {
         Point3 centre;

@@ -96,7 +96,8 @@ private:
         is_rounded_[pixel] = true;
     }
 
-    /// Rounds the last pixel of a dot, and the most suitable ones around it if that does not suffice.
+    /// Rounds the last pixel of a dot. While the error exceeds half a pixel, also changes the most suitable pixels
+    /// around it.
     /// @param ahead  direction of travel along the row
     void finish(int x, int y, int ahead) {
         const std::size_t pixel = index(x, y);

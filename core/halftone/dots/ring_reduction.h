@@ -8,7 +8,7 @@
 
 namespace ccdt {
 
-/// Replaces the corners of a ring with fewer ones that enclose exactly the same area.
+/// Replaces the corners of a ring with fewer corners that enclose exactly the same area.
 ///
 /// Corners on the sides of the box do not move. The result is empty if the area of the ring is below a hundredth of the
 /// displacement.

@@ -58,7 +58,7 @@ private:
                                  const CellGrid& canvas) const;
     void nest(std::vector<Raster>& rasters, std::size_t begin, std::size_t end) const;
 
-    bool is_nested_;  ///< whether the darker side of a channel contains that of the channel before
+    bool is_nested_;  ///< whether the darker side of a channel contains the darker side of the previous channel
     double pitch_;    ///< share of the width of the picture
     SpotTriangles triangles_;
     CellGrid cells_;                              ///< of the fit

@@ -78,7 +78,8 @@ void find_extremes(FieldChannel& channel, const CellGrid& cells, Executor& execu
     });
 }
 
-/// The luminance of a picture: that of its darkest colour, and what each channel adds.
+/// Computes the luminance of a picture from its channels: the luminance of the darkest colour, and the luminance that
+/// each channel adds.
 struct Luminance {
     float dark = 0;
     std::vector<float> steps;  ///< [channels]

@@ -27,12 +27,11 @@ Lab solved(const Matrix& a, const Lab& b) {
     return {determinant(b, a[1], a[2]) / all, determinant(a[0], b, a[2]) / all, determinant(a[0], a[1], b) / all};
 }
 
-/// Minimizes the sum of w (D + tau log w) plus kExact times the squared length of off + the sum of w v, over shares w
-/// with the sum 1.
+/// Minimizes (sum of w (D + tau log w)) + kExact |off + (sum of w v)|^2 over shares w with the sum 1.
 ///
-/// The dual problem has three variables, and its maximum is found by Newton's method. The factor grows to kExact in
-/// steps. A colour outside the gamut has large dual variables, which Newton's method does not reach from 0 within
-/// kMaxSteps, because one share is then nearly 1 at most steps.
+/// The dual problem has three variables, and its maximum is found by Newton's method. The factor grows from kFirst to
+/// kExact in steps. For a colour outside the gamut, the dual variables are large. Newton's method would not reach them
+/// from 0 within kMaxSteps, because one share is nearly 1 in most of these steps.
 class EntropyFit {
 public:
     static constexpr double kTau = 150, kFirst = 10, kExact = 1e6;

@@ -41,7 +41,8 @@ struct Torus3 {
 /// be nested, also as cavities with the opposite orientation, and may overlap. Coordinates must be finite.
 struct Solid {
     std::vector<Point3> vertices;
-    /// Indices of vertices. The triangles of a shell need not have the same orientation: that of most of them counts.
+    /// Indices of vertices. The triangles of a shell need not have the same orientation: the orientation of the
+    /// majority counts.
     std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 

@@ -232,8 +232,8 @@ private:
     std::vector<Spectrum> layers_;
 };
 
-/// Calls visit(wave) for one of each pair of opposite frequencies within `reach` of `middle` and up to the highest
-/// ones, except 0.
+/// Calls visit(wave) for the frequencies within `reach` of `middle` and up to `highest`, except 0. Visits only one of
+/// each pair of opposite frequencies.
 template <class Visit>
 void for_each_pair(Wave highest, Wave middle, Wave reach, Visit visit) {
     for (int k = std::max(middle.z - reach.z, -highest.z); k <= std::min(middle.z + reach.z, highest.z); ++k) {
@@ -249,7 +249,8 @@ void for_each_pair(const Plan& plan, Visit visit) {
     for_each_pair(plan.highest, {}, plan.highest, visit);
 }
 
-/// Returns half the size of a part whose two grids have at most kMaxCells cells. Parts are as cubic as possible.
+/// Returns the reach of the parts into which the frequencies are divided, half of a part's size. The two grids of a
+/// part have at most kMaxCells cells. Parts are as cubic as possible.
 Wave reach_of_parts(Wave highest, std::size_t axes) {
     std::array<int*, 3> reach{&highest.x, &highest.y, &highest.z};
     std::ranges::sort(reach.begin(), reach.begin() + static_cast<std::ptrdiff_t>(axes), {},

@@ -125,7 +125,7 @@ private:
         });
     }
 
-    /// Returns the distance of the surplus' grid nodes: so large that the nodes hardly outnumber the points.
+    /// Returns the distance of the surplus' grid nodes: large enough that the nodes hardly outnumber the points.
     double node_distance() const {
         const double stay = std::max(static_cast<double>(target_), 1.0),
                      remaining = static_cast<double>(remaining_.size());
@@ -135,8 +135,8 @@ private:
                          cell_side(frame_.sides, remaining), longest / remaining});
     }
 
-    /// Returns the number of points that remain after the removals that are planned while `stay` points remain. If
-    /// spacings are measured, they are not exact enough for a plan.
+    /// Returns the number of points that remain after the planned removals, if `stay` points remain now. Measured
+    /// spacings are not exact enough for a plan.
     std::size_t last_planned(std::size_t stay) const {
         return uniform_ ? stay - std::min(stay, 1 + stay / kPlanRatio) : stay;
     }
