@@ -222,7 +222,7 @@ Cost cost_of(const AnalyzeRequest& request) {
         },
         request.points);
     const double waves = points * std::pow(request.options.max_frequency, is_in_space ? 3 : 2);
-    // Cells of the grid, and parts in which the frequencies are computed.
+    // Number of the cells of the grid, and of the parts in which the frequencies are computed.
     const double cells = waves * (is_in_space ? 64 : 16), parts = std::max(2.3 * cells / kMaxCells, 1.0);
     const bool in_parts = cells > kMaxCells;
     const double bytes = in_parts ? 600e6 + waves * (is_in_space ? 75 : 40) : waves * (is_in_space ? 1250 : 360);

@@ -98,8 +98,8 @@ Cost cost_of(const SurfaceAnalyzeRequest& request) {
     const SurfaceHeader& header = request.file.header;
     const auto modes = static_cast<double>(request.modes);
     const auto triangles = static_cast<double>(header.max_triangles);
-    // count_mode_vertices() divides a coarse mesh until it has 20 vertices per mode. The last division quadruples their
-    // number.
+    // count_mode_vertices() divides a coarse mesh until it has 20 vertices per mode. The last division quadruples the
+    // number of vertices.
     constexpr double kPerMode = 20;
     const double most = std::min(std::max(static_cast<double>(header.max_vertices), 4 * kPerMode * modes) * modes,
                                  static_cast<double>(kMaxModeValues));

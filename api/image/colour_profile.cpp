@@ -205,7 +205,8 @@ constexpr std::uint8_t kPq = 16, kHlg = 18;  ///< code numbers of ITU-T H.273
 /// Creates the curve of a transfer function; null: not supported.
 Curve make_transfer_curve(const Context& context, std::uint8_t code) {
     constexpr int kPowerWithFoot = 4;
-    // The inverse of SMPTE 240M, and digital cinema (SMPTE 428), whose white of 48 cd/m2 is below the largest value.
+    // The inverses of SMPTE 240M and of digital cinema (SMPTE 428). The white of the latter, 48 cd/m2, is below its
+    // largest value.
     constexpr std::array<double, 5> k240 = {1 / 0.45, 1 / 1.1115, 0.1115 / 1.1115, 0.25, 0.0913};
     const std::array<double, 5> cinema = {2.6, std::pow(52.37 / 48, 1 / 2.6), 0, 0, 0};
     switch (code) {

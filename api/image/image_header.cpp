@@ -155,7 +155,7 @@ Result<ImageHeader> read_tiff(std::string_view bytes) {
     const uint64_t block = std::min(columns * rows, most), band = std::min((*width + columns) * band_rows, 2 * most);
     const uint64_t samples = std::min(directory.number(tiff::kSamplesPerPixel).value_or(1), kMaxTiffSamples);
     const uint64_t pixel = samples * std::clamp((directory.number(tiff::kBitsPerSample).value_or(1) + 7) / 8, 1U, 8U);
-    // The codec may have a copy of a block, and the reader another one.
+    // The codec and the reader may each have a copy of a block.
     header.decoder_bytes = (2 * block + band) * pixel;
     const auto compression = directory.number(tiff::kCompression);
     if (compression == tiff::kLzma || compression == tiff::kZstandard) header.decoder_bytes += kDictionary;

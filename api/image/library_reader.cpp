@@ -93,7 +93,7 @@ struct OpenFile {
     bool read_rows(int begin, int end, const OIIO::TypeDesc& type, void* rows) {
         // The library reads rows that need no conversion directly into the buffer. For other rows, it allocates 64 MiB.
         const bool as_stored = spec.format == type && spec.channelformats.empty();
-        // An offset on a page (oFFs in a PNG) is added to the numbers of rows.
+        // The number of the first row is the offset of the image on its page (oFFs in a PNG).
         return input->read_scanlines(0, 0, spec.y + begin, spec.y + end, 0, 0, spec.nchannels,
                                      as_stored ? OIIO::TypeDesc::UNKNOWN : type, rows);
     }

@@ -36,7 +36,7 @@ Placement position(Size file, int orientation) {
     const Size size = turned ? Size{file.height, file.width} : file;
     const auto width = static_cast<std::ptrdiff_t>(size.width);
     const auto height = static_cast<std::ptrdiff_t>(size.height);
-    // Whether the first pixel of the file is at the right, and whether it is at the bottom, of the upright picture.
+    // Whether the first pixel of the file is at the right side of the upright picture, and whether it is at the bottom.
     const bool from_right = orientation == 2 || orientation == 3 || orientation == 6 || orientation == 7;
     const bool from_bottom = orientation == 3 || orientation == 4 || orientation == 7 || orientation == 8;
     const std::ptrdiff_t start = (from_right ? width - 1 : 0) + (from_bottom ? (height - 1) * width : 0);

@@ -15,7 +15,7 @@ std::span<const Choice<Quality>> qualities();
 
 inline constexpr std::uint64_t kMaxIterations = 1000, kMaxPasses = 100;
 
-// These functions read the option after which they are named into the options of a run. Errors: Malformed.
+// Each of these functions reads the option after which it is named into the options of a run. Errors: Malformed.
 
 template <class Run>
 Result<void> read_seed(const Input& input, Run& run) {

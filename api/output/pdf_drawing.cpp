@@ -174,7 +174,7 @@ void draw_pen(const Plot& plot, const Pen& pen, PdfPage& page) {
     }
 }
 
-/// Draws the areas of inks, which are mixed if they have names.
+/// Draws the areas of inks. Inks with names are mixed where they overlap.
 void write_areas(const InkAreas& areas, const Palette& palette, const Page& sheet, Body& body,
                  const std::stop_token& stop) {
     PdfPage page(sheet.size(), body, stop);

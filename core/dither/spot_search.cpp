@@ -170,7 +170,7 @@ private:
 
     /// Returns by how much a change of the pixel (x, y), with one of its neighbours or without, changes the visible
     /// error.
-    /// @param limit  if the change is not less than this, the result is any number that is not less
+    /// @param limit  if the change is at least `limit`, the result may be any number that is at least `limit`
     float error_of(int x, int y, std::span<const Square> squares, const Gradients& gradients, float limit) const {
         std::array<const Square*, kSquares> changed{};
         std::array<float, kSquares> by{};

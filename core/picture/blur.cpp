@@ -127,7 +127,7 @@ void blur_directly(std::vector<float>& values, int width, int height, double sig
     const auto row = [&](int y) CCDT_INLINE {
         return values.data() + static_cast<std::size_t>(mirrored(y, height)) * columns;
     };
-    // Blurs a row first down, with `reach` mirrored values before and after it, and then across.
+    // Blurs row y: first down the columns, then across. `down` has `reach` mirrored values before and after the row.
     const auto blur_row = [&](int y, float* down) CCDT_INLINE {
         std::fill_n(down, columns, 0.0f);
         for (int i = 0; i <= reach; ++i) add(weight[i], row(y - i), row(y + i), down, columns);

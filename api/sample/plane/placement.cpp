@@ -99,7 +99,7 @@ Result<std::vector<std::uint32_t>> find_features(const SampleRequest& request, c
                                                  const std::stop_token& stop) {
     auto made = make_areas(request, stop);
     if (!made) return tl::unexpected(made.error());
-    // Possibly the union of all features has an area although each single feature is too thin to have one.
+    // Each single feature may be too thin to have an area although the union of all features has one.
     if (made->areas.empty()) return std::vector<std::uint32_t>(points.size(), 0);
     std::vector<const Domain*> areas;
     for (const Domain& area : made->areas) areas.push_back(&area);

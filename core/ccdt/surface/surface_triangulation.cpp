@@ -146,7 +146,8 @@ SurfaceTriangulation::SurfaceTriangulation(const Surface& surface, std::vector<S
       sites_(sites.size()),
       blocks_(sites.size() - fixed),
       points_(std::move(sites)) {
-    // In spacings. Longer lines around the end of a needle are not the shortest ones.
+    // Length of the longest lines that are unfolded, in spacings. Around the end of a needle, longer lines are not the
+    // shortest ones between two sites.
     constexpr double kReach = 3;
     sharp_ = sharp_components(surface);
     if (std::ranges::count(sharp_, 1) > 0) {
@@ -328,7 +329,7 @@ std::size_t SurfaceTriangulation::legalise(std::size_t most, const std::stop_tok
         ++flips;
         stack_.insert(stack_.end(), {h, Links::previous(h), twin, Links::previous(twin)});
     }
-    // After the limit, edges that are left must be checked by the next restore_delaunay().
+    // If the limit was reached, the next restore_delaunay() must check the edges that are left on the stack.
     for (const std::uint32_t h : stack_) {
         if (links_.is_removed(h / 4)) continue;
         for (const std::uint32_t v : corners(h / 4)) moved_[v] = 1;
@@ -378,7 +379,7 @@ bool SurfaceTriangulation::allows_flip(std::uint32_t edge) const {
     const std::uint32_t third = links_.apex(edge), fourth = links_.apex(twin);
     if (third == fourth) return false;
     const std::uint32_t a = links_.origin(edge), b = links_.target(edge);
-    // Seen from an end of the edge, whether its neighbours keep their order.
+    // Returns whether the three neighbours of an end of the edge keep their order, seen from this end.
     const auto is_convex = [&](std::uint32_t end, std::uint32_t left, std::uint32_t middle, std::uint32_t right) {
         const Point3 x = toward(end, left), y = toward(end, middle), z = toward(end, right);
         return dot(cross(x, z), cross(x, y) + cross(y, z)) > 0;

@@ -101,7 +101,8 @@ public:
             even_out();
             finish_step();
         }
-        // Without waves to remove, distances come last: these pushes move too few points to create waves.
+        // If no waves are to be removed, the last step increases distances: its pushes move too few points to create
+        // waves.
         if (schedule_.waves == 0 && schedule_.near_rounds > 0) push(kLastReach, kShare, kLastPushes);
         for (int i = 0; i < schedule_.waves && !stopping(); ++i) {
             if (even_out() < kNegligiblePower) break;

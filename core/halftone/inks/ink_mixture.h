@@ -32,7 +32,8 @@ public:
     /// @param wanted  colour in [0, 1]
     Shares shares(const Light& wanted) { return table_(wanted); }
 
-    /// Returns the colours whose shares shares() interpolates for any of `colours`, each once.
+    /// Returns the colours of the nodes of the table between which shares() interpolates for any of `colours`, each
+    /// once.
     std::vector<Light> nodes_of(const std::vector<Light>& colours) const { return table_.nodes_of(colours); }
 
     /// Returns the shares without interpolation in the table.

@@ -172,7 +172,7 @@ private:
     /// Determines `is_urgent_`, and for how many removals it is valid. If `count` pairs become too near before `limit`
     /// points remain, their separation must begin when limit + count points remain.
     void plan(std::size_t stay) {
-        // A plan for few of very many removals would take too long.
+        // If there are very many points, planning anew after few removals would take too long.
         const std::size_t longest = 1 + stay / 64, shortest = 1 + stay / 4'096, urgent = 1 + stay / 1'024;
         const auto last = static_cast<float>(last_planned(stay)), latest = static_cast<float>(stay + 2 - shortest);
         float count = 0, begin = 0;
