@@ -41,8 +41,8 @@ bool asks_for_pixels(JsonValue root);
 
 /// Reads a request whose body has a domain of the type `pixels`.
 /// @param options  options that are given as text; must be empty
-/// Errors: as for parse_sample(). Options that only points have are Malformed. LimitExceeded for a raster of more than
-/// limits.max_pixels; Unusable if there are more sites than pixels, and if included pixels are outside the raster.
+/// Errors: as for parse_sample(). Options that apply only to points are Malformed. LimitExceeded for a raster of more
+/// than limits.max_pixels; Unusable if there are more sites than pixels, or if an included pixel is outside the raster.
 Result<PixelRequest> parse_pixels(JsonValue root, const std::vector<TextOption>& options, std::string_view accept,
                                   const Limits& limits);
 

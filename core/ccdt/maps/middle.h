@@ -13,7 +13,7 @@ namespace ccdt {
 ///
 /// @param on_globe  whether coordinates are longitudes and latitudes in degrees; the result is then near the unit
 ///                  sphere, with no seam at 180 degrees. Otherwise its z is 0.
-/// @returns         none if the polygons have no area, or coordinates that are too large for a domain
+/// @returns         none if the polygons have no area, or if their coordinates are too large for a domain
 std::optional<Point3> middle_of(std::span<const PolygonPart> parts, bool on_globe);
 
 }  // namespace ccdt

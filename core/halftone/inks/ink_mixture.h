@@ -14,10 +14,10 @@ namespace ccdt {
 /// Finds the share of the area that each set of inks must cover to reproduce a colour.
 ///
 /// Areas of different sets lie side by side, so the mean light is linear in the shares. Of all shares with the wanted
-/// light, the result has the least sum of w (D + tau log w), where D is the squared difference of a set's colour from
-/// the wanted colour. So sets that look like the wanted colour are preferred, and shares change smoothly with the
-/// colour. A colour outside the gamut becomes the nearest one by ColourDifference. The results are cached in a table.
-/// Thread-safe.
+/// light, the result has the least sum of w (D + tau log w), where w is the share of a set, and D is the squared
+/// difference of its colour from the wanted colour. So sets that look like the wanted colour are preferred, and shares
+/// change smoothly with the colour. A colour outside the gamut becomes the nearest one by ColourDifference. The results
+/// are cached in a table. Thread-safe.
 class InkMixture {
 public:
     static constexpr std::size_t kMaxSets = std::size_t{1} << kMaxInks;
