@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -11,11 +10,20 @@
 #include <vector>
 
 #include "core/ccdt/relax/capacity_integral.h"
+#include "core/ccdt/relax/move_groups.h"
 #include "core/ccdt/relax/triangle_goals.h"
 #include "core/geometry/point.h"
 #include "core/mesh/triangulation.h"
 
 namespace ccdt {
+
+// Defined in move_equations.h.
+struct GoalTerm;
+struct NormalEquations;
+template <std::size_t kPairs, class Lanes>
+struct LaneRings;
+template <class Lanes>
+struct LaneEquations;
 
 /// Restricts the moves of sites. Returns `to` if the site may lie at `to`, else a position between the site and `to`.
 using Fence = std::function<Point(std::uint32_t site, Point to)>;
@@ -92,70 +100,11 @@ public:
     double energy() const;
 
 private:
-    struct Term;
-    struct NormalEquations;
-    template <std::size_t kPairs, class Lanes>
-    struct Rings;
+    using Fan = MoveGroups::Fan;
+    using Fans = MoveGroups::Fans;
+    using Group = MoveGroups::Group;
     template <class Lanes>
-    struct Equations;
-    /// Records (see Batch) of sites that are moved at once, one for each lane.
-    template <class Lanes>
-    using Records = std::array<const std::uint32_t*, Lanes::kCount>;
-
-    /// Records of sites of one kind, for the fast path, which uses vector instructions. A record holds the site and its
-    /// neighbours counter-clockwise, with the first neighbour repeated to fill 2 * pairs + 1 entries. Unless the kind
-    /// is plain, the record also holds the 2 * pairs triangles between these neighbours.
-    using Batch = std::vector<std::uint32_t>;
-
-    // Kinds of sites, by the number of pairs of neighbours and by whether all triangles have the common goal (plain).
-    static constexpr std::size_t kMinPairs = 2, kMaxPairs = 4;
-    static constexpr std::uint8_t kKinds = 2 * (kMaxPairs - kMinPairs + 1);
-    static constexpr std::uint8_t kFanKind = kKinds;  ///< general path: many neighbours, or at the seam of a torus
-    static constexpr std::uint8_t kind_of(bool plain, std::size_t pairs) {
-        return static_cast<std::uint8_t>(2 * (pairs - kMinPairs) + (plain ? 1 : 0));
-    }
-    static constexpr std::size_t stride(std::uint8_t kind) {
-        const std::size_t pairs = kind / 2 + kMinPairs;
-        return 2 + 2 * pairs + (kind % 2 == 1 ? 0 : 2 * pairs);
-    }
-
-    /// A vertex and its one-ring, for the general path, which moves one vertex at a time: the neighbours
-    /// counter-clockwise, and the triangle between each neighbour and the next one. The one-ring of a border vertex
-    /// ends with a neighbour that has no triangle after it.
-    struct Fan {
-        std::uint32_t vertex;
-        std::uint32_t first;  ///< index of the first entry of the one-ring in the lists of Fans
-        std::uint32_t neighbours;
-        std::uint32_t triangles;  ///< equal to `neighbours`, or one less on the border
-    };
-
-    struct Fans {
-        std::vector<Fan> all;
-        std::vector<std::uint32_t> vertices;  ///< concatenated one-rings
-        std::vector<Point> lifts;
-        std::vector<std::uint32_t> triangles;
-
-        void clear();
-    };
-
-    using Batches = std::array<Batch, kKinds>;
-
-    /// Sites that one task moves in sequence. While it does, no other task moves these sites or their neighbours.
-    struct Group {
-        const std::uint32_t* records = nullptr;          ///< records of all batches, concatenated
-        std::array<std::uint32_t, kKinds + 1> begins{};  ///< start of each batch in `records`
-        std::vector<std::uint32_t> own;                  ///< the records, if the group stores them itself
-        Fans fans;
-        /// All sites of the group. Empty at level 0, where the group consists of the block's sites whose level is 0.
-        std::vector<std::uint32_t> sites;
-        std::vector<std::uint32_t> others;  ///< sites of the block that belong to the group of a larger block
-
-        std::span<const std::uint32_t> batch(std::uint8_t kind) const {
-            return {records + begins[kind], begins[kind + std::size_t{1}] - begins[kind]};
-        }
-        void clear();
-        void store(const Batches& batches, std::span<std::uint32_t> memory);
-    };
+    using Records = MoveGroups::Records<Lanes>;
 
     /// A triangle (site, from, to) around a site in an exact pass.
     struct ExactTriangle {
@@ -179,17 +128,7 @@ private:
     Point position(const Ring& ring, std::size_t i) const;
     Ring ring_of(const Fans& fans, const Fan& fan) const;
     double mean_doubled_area() const;
-    Term term(std::uint32_t triangle) const;
-    void make_groups();
-    void list_sites(const std::stop_token& stop);
-    void list_border();
-    std::size_t record_memory_of(std::size_t sites) const;
-    void list_block(std::size_t number, bool first_time);
-    void find_levels(std::size_t number, bool first_time);
-    void list_larger(std::size_t level, std::size_t number, bool exact);
-    std::uint8_t level_of(std::uint32_t site) const;
-    bool add_site(std::uint32_t site, Batches& batches, Fans& fans, std::uint32_t first, std::uint32_t size);
-    void add_fan(std::uint32_t vertex, Fans& fans) const;
+    GoalTerm term(std::uint32_t triangle) const;
     template <class Move>
     void for_groups(int times, const std::stop_token& stop, Move&& move);
     void move_group(const Group& group);
@@ -198,9 +137,9 @@ private:
     template <std::size_t kPairs>
     static bool has_neighbour(const std::uint32_t* record, std::uint32_t site);
     template <std::size_t kPairs, class Lanes>
-    Equations<Lanes> plain_equations(const Rings<kPairs, Lanes>& rings, const Records<Lanes>& records) const;
+    LaneEquations<Lanes> plain_equations(const LaneRings<kPairs, Lanes>& rings, const Records<Lanes>& records) const;
     template <std::size_t kPairs, class Lanes>
-    Equations<Lanes> weighted_equations(const Rings<kPairs, Lanes>& rings, const Records<Lanes>& records) const;
+    LaneEquations<Lanes> weighted_equations(const LaneRings<kPairs, Lanes>& rings, const Records<Lanes>& records) const;
     template <bool kPlain, std::size_t kPairs, class Lanes>
     void move_few(const Records<Lanes>& records);
     NormalEquations equations_of(const Fans& fans, const Fan& fan) const;
@@ -219,22 +158,12 @@ private:
     Point rounded(Point p) const { return {(p.x + magic_) - magic_, (p.y + magic_) - magic_}; }
 
     Triangulation& mesh_;
-    std::vector<bool> fixed_;
-    bool uniform_;
     RelaxationOptions options_;
     double magic_ = 0;         ///< rounds positions to multiples of 2^-50 on a torus; else 0
     double small_ = 0;         ///< doubled area below which the fast path leaves a triangle to the general path
     double plain_weight_ = 0;  ///< weight of the triangles around plain sites
     TriangleGoals goals_;
-
-    std::vector<std::uint8_t> kinds_;  ///< [sites] kind of each site, as long as there are records
-    /// [sites] level of the smallest block that contains a site and all its free neighbours
-    std::vector<std::uint8_t> levels_;
-    std::vector<std::vector<Group>> groups_;  ///< [levels][blocks] groups of sites
-    /// Memory for the records of all level-0 blocks. It is allocated and freed in one piece, because freed pieces of
-    /// the size of a block would be too small for later allocations.
-    std::vector<std::uint32_t> record_memory_;
-    Fans border_;
+    MoveGroups groups_;
     std::vector<TriangleFlows> flows_;  ///< [triangles] current capacities; swept integrals as last measured
     double unit_ = 0;                   ///< factor that converts capacities to units of half a site's capacity
 };
