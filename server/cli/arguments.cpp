@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "api/text/similar_name.h"
 #include "server/flags/flag_values.h"
 #include "server/processes/process.h"
 
@@ -21,9 +20,8 @@ constexpr std::uint64_t kMaxPixels = 1'000'000'000;
 tl::unexpected<Error> unknown_option(std::span<const Option> options, const std::string& written,
                                      std::string_view name) {
     std::vector<std::string> names;
-    for (const Option& option : options) names.push_back(option.name);
-    const std::string* const similar = api::find_similar(names, name);
-    const std::string hint = similar == nullptr ? "--help lists the options" : "did you mean --" + *similar + "?";
+    for (const Option& option : options) names.push_back("--" + option.name);
+    const std::string hint = suggestion(names, "--" + std::string(name));
     return failure(ErrorCode::Malformed, written + " is not an option; " + hint, written);
 }
 

@@ -348,6 +348,13 @@ Result<void> read_environment(const Environment& environment, Draft& draft) {
     return {};
 }
 
+std::vector<std::string> all_flags() {
+    std::vector<std::string> flags;
+    for (const Setting& setting : kSettings) flags.emplace_back(setting.flag);
+    for (const auto& [flag, help] : kActions) flags.emplace_back(flag);
+    return flags;
+}
+
 Result<CommandLine::Action> read_flags(std::span<const char* const> arguments, Draft& draft) {
     auto action = CommandLine::Action::Serve;
     for (std::size_t i = 0; i < arguments.size(); ++i) {
@@ -363,7 +370,8 @@ Result<CommandLine::Action> read_flags(std::span<const char* const> arguments, D
         const auto name = argument.substr(0, equals);
         const auto setting = std::ranges::find(kSettings, name, &Setting::flag);
         if (setting == kSettings.end())
-            return failure(ErrorCode::Malformed, "unknown argument '" + std::string(argument) + "'");
+            return failure(ErrorCode::Malformed,
+                           "'" + std::string(name) + "' is not an option; " + suggestion(all_flags(), name));
         if (setting->only_by_variable)
             return failure(ErrorCode::Malformed, std::string(name) +
                                                      ": the list of processes would show the key; use " +

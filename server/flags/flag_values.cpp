@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/flags/flag_values.h"
 
-#include <string>
-
+#include "api/text/similar_name.h"
 #include "api/text/text.h"
 
 namespace ccdt::server {
@@ -26,6 +25,11 @@ Result<std::size_t> parse_bytes(std::string_view text, std::uint64_t low) {
     if (!number || *number < low || *number > (kMax >> shift))
         return failure(ErrorCode::Malformed, "a number of bytes, such as 67108864 or 64MiB");
     return static_cast<std::size_t>(*number << shift);
+}
+
+std::string suggestion(std::span<const std::string> names, std::string_view misspelt) {
+    const std::string* const similar = api::find_similar(names, misspelt);
+    return similar == nullptr ? "--help lists the options" : "did you mean " + *similar + "?";
 }
 
 }  // namespace ccdt::server

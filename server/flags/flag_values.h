@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
+#include <string>
 #include <string_view>
 
 #include "core/base/result.h"
@@ -17,5 +19,9 @@ Result<std::size_t> parse_whole(std::string_view text, std::uint64_t low, std::u
 /// @param low  smallest number without a unit
 /// Errors: Malformed; the message describes the valid values.
 Result<std::size_t> parse_bytes(std::string_view text, std::uint64_t low = 1);
+
+/// Returns the hint for a name that is not in a list: the question whether a similar name was meant, or a reference to
+/// --help.
+std::string suggestion(std::span<const std::string> names, std::string_view misspelt);
 
 }  // namespace ccdt::server

@@ -374,7 +374,9 @@ struct Wrong {
 
 TEST(Config, NamesTheInvalidFlagOrVariable) {
     const Wrong wrongs[] = {
-        {{"--nonsense"}, {}, "--nonsense"},
+        {{"--nonsense"}, {}, "'--nonsense' is not an option; --help lists the options"},
+        {{"--wokers=3"}, {}, "'--wokers' is not an option; did you mean --workers?"},
+        {{"--helth"}, {}, "did you mean --health?"},
         {{"8080"}, {}, "8080"},
         {{"--port"}, {}, "--port"},
         {{"--port", "65536"}, {}, "--port"},
