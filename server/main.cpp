@@ -87,11 +87,13 @@ bool serve_until_signal(Service& service, const ServerSignals& signals, const Co
     return served && started;
 }
 
-int serve(const Config& config) {
+int serve(const CommandLine& command) {
+    const Config& config = command.config;
     constexpr int kGivenBack = 1 << 20;
     give_back_freed_memory(kGivenBack);
     const ServerSignals signals;
     const Log log(config.log_format);
+    for (const auto& warning : command.warnings) log.warning(warning);
     const auto service = Service::start(config, log);
     if (!service) {
         log.error(service.error().message);
@@ -101,8 +103,8 @@ int serve(const Config& config) {
     return serve_until_signal(**service, signals, config, log) ? EXIT_SUCCESS : kFailed;
 }
 
-int check(const CommandLine& command) {
-    const auto findings = check(command.config);
+int report_check(const CommandLine& command) {
+    const auto findings = check(command);
     std::fputs(("ccdt-server " CCDT_VERSION " would run with\n" + describe(command.values) + "and finds\n" +
                 describe(findings))
                    .c_str(),
@@ -116,8 +118,15 @@ int report_health(const Config& config) {
     return healthy ? EXIT_SUCCESS : kFailed;
 }
 
+/// Returns all environment variables, as `NAME=value`.
+std::span<const char* const> environment() {
+    std::size_t count = 0;
+    while (environ[count] != nullptr) ++count;
+    return {environ, count};
+}
+
 int run(std::span<const char* const> arguments) {
-    const auto command = parse_command_line(arguments, [](const char* name) { return std::getenv(name); });
+    const auto command = parse_command_line(arguments, environment());
     if (!command) {
         std::fprintf(stderr, "ccdt-server: %s\nTry --help.\n", command.error().message.c_str());
         return kWrongUsage;
@@ -133,13 +142,13 @@ int run(std::span<const char* const> arguments) {
             std::puts("ccdt-server " CCDT_VERSION);
             return EXIT_SUCCESS;
         case CommandLine::Action::Check:
-            return check(*command);
+            return report_check(*command);
         case CommandLine::Action::Health:
             return report_health(command->config);
         case CommandLine::Action::Serve:
             break;
     }
-    return serve(command->config);
+    return serve(*command);
 }
 
 }  // namespace

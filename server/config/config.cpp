@@ -46,6 +46,7 @@ struct Draft {
     std::optional<std::vector<std::string>> cors_origins;
     std::optional<std::vector<std::string>> allowed_hosts;
     std::map<std::string_view, ChosenValue> given;  ///< given values by the name of their flag
+    std::vector<std::string> warnings;              ///< see CommandLine
 };
 
 /// Applies the value of a setting to a draft.
@@ -54,7 +55,7 @@ using Apply = std::string (*)(Draft&, std::string_view value);
 
 struct Setting {
     std::string_view flag;
-    const char* variable;
+    std::string_view variable;
     std::string_view value;
     std::string_view help;
     Apply apply;
@@ -339,11 +340,22 @@ Result<void> apply(const Setting& setting, std::string_view name, std::string_vi
     return failure(ErrorCode::Malformed, std::string(name) + ": '" + std::string(value) + "' is not " + expected);
 }
 
-Result<void> read_environment(const Environment& environment, Draft& draft) {
-    for (const Setting& setting : kSettings) {
-        const char* value = environment(setting.variable);
-        if (value == nullptr || *value == '\0') continue;
-        if (auto taken = apply(setting, setting.variable, value, draft); !taken) return taken;
+std::string warn_of_variable(std::string_view name) {
+    std::vector<std::string> names;
+    for (const Setting& setting : kSettings) names.emplace_back(setting.variable);
+    return "the variable " + std::string(name) + " has no effect; " + suggestion(names, name);
+}
+
+Result<void> read_environment(std::span<const char* const> environment, Draft& draft) {
+    for (std::string_view value : environment) {
+        const auto name = api::take_until(value, "=");
+        if (value.empty()) continue;
+        const auto setting = std::ranges::find(kSettings, name, &Setting::variable);
+        if (setting == kSettings.end()) {
+            if (name.starts_with("CCDT_")) draft.warnings.push_back(warn_of_variable(name));
+        } else if (auto taken = apply(*setting, name, value, draft); !taken) {
+            return taken;
+        }
     }
     return {};
 }
@@ -375,7 +387,7 @@ Result<CommandLine::Action> read_flags(std::span<const char* const> arguments, D
         if (setting->only_by_variable)
             return failure(ErrorCode::Malformed, std::string(name) +
                                                      ": the list of processes would show the key; use " +
-                                                     setting->variable + " or --signing-key-file");
+                                                     std::string(setting->variable) + " or --signing-key-file");
         const bool attached = equals != std::string_view::npos;
         if (!attached && ++i == arguments.size())
             return failure(ErrorCode::Malformed, std::string(name) + " needs a value");
@@ -423,14 +435,15 @@ std::string padded(std::string_view text, std::size_t width) {
 
 }  // namespace
 
-Result<CommandLine> parse_command_line(std::span<const char* const> arguments, const Environment& environment) {
+Result<CommandLine> parse_command_line(std::span<const char* const> arguments,
+                                       std::span<const char* const> environment) {
     // Reads the flags first, so that --help works even if the environment is invalid.
     Draft flags;
     const auto action = read_flags(arguments, flags);
     if (!action) return tl::unexpected(action.error());
     using Action = CommandLine::Action;
     if (*action == Action::Help || *action == Action::Version || *action == Action::Manual)
-        return CommandLine{*action, {}, {}};
+        return CommandLine{*action, {}, {}, {}};
 
     Draft draft;
     const std::size_t cores = std::max<std::size_t>(1, std::thread::hardware_concurrency());
@@ -454,7 +467,7 @@ Result<CommandLine> parse_command_line(std::span<const char* const> arguments, c
     draft.config.cache = draft.cache.value_or(shares.cache);
     const bool in_memory = draft.config.data_dir.empty() && !draft.config.redis;
     draft.config.jobs.bytes = draft.job_bytes.value_or(in_memory ? shares.jobs : kJobBytes);
-    return CommandLine{*action, draft.config, chosen_values(draft)};
+    return CommandLine{*action, draft.config, chosen_values(draft), draft.warnings};
 }
 
 std::string usage() {

@@ -3,7 +3,6 @@
 
 #include <chrono>
 #include <cstddef>
-#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -74,17 +73,17 @@ struct CommandLine {
     };
     Action action = Action::Serve;
     Config config;
-    std::vector<ChosenValue> values;  ///< one for each flag, for display
+    std::vector<ChosenValue> values;    ///< one for each flag, for display
+    std::vector<std::string> warnings;  ///< variables that begin with `CCDT_` and are not known
 };
-
-/// Looks up an environment variable; null if it is not set.
-using Environment = std::function<const char*(const char* name)>;
 
 /// Reads the flags and the environment variables. A flag overrides its variable. An empty variable counts as not set.
 ///
-/// @param arguments  without the program's name, as `--flag value` or `--flag=value`
+/// @param arguments    without the program's name, as `--flag value` or `--flag=value`
+/// @param environment  all variables, as `NAME=value`
 /// Errors (Malformed): an unknown flag, a flag without a value, a value out of range. The message names the flag.
-Result<CommandLine> parse_command_line(std::span<const char* const> arguments, const Environment& environment);
+Result<CommandLine> parse_command_line(std::span<const char* const> arguments,
+                                       std::span<const char* const> environment);
 
 /// Returns the text that --help prints.
 std::string usage();

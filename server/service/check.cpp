@@ -179,10 +179,11 @@ std::string padded(std::string_view text) {
 
 }  // namespace
 
-std::vector<Finding> check(const Config& config) {
+std::vector<Finding> check(const CommandLine& command) {
     std::vector<Finding> findings;
+    for (const auto& warning : command.warnings) findings.push_back({"variables", State::Weak, warning});
     for (const auto& [part, run] : kChecks) {
-        auto [state, words] = run(config);
+        auto [state, words] = run(command.config);
         findings.push_back({std::string(part), state, std::move(words)});
     }
     return findings;

@@ -24,7 +24,7 @@ struct Finding {
 /// files, the folder of pictures, memory, descriptors, the folder of jobs, each Redis, the listening address.
 ///
 /// Serves no requests, claims no jobs and writes nothing. Does not detect another server that uses the folder of jobs.
-std::vector<Finding> check(const Config& config);
+std::vector<Finding> check(const CommandLine& command);
 
 /// Whether the server would start.
 bool would_start(const std::vector<Finding>& findings);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cmath>
-#include <cstring>
 #include <string>
 #include <vector>
 
@@ -54,13 +53,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto variables = fuzz::take_lines(text);
     std::vector<const char*> arguments;
     for (const auto& line : lines) arguments.push_back(line.c_str());
-    const auto environment = [&](const char* name) -> const char* {
-        const std::size_t length = std::strlen(name);
-        for (const auto& variable : variables) {
-            if (variable.starts_with(name) && variable[length] == '=') return variable.c_str() + length + 1;
-        }
-        return nullptr;
-    };
+    std::vector<const char*> environment;
+    for (const auto& variable : variables) environment.push_back(variable.c_str());
     const auto parsed = server::parse_command_line(arguments, environment);
     if (!parsed) {
         fuzz::check_error(parsed.error());

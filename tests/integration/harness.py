@@ -151,8 +151,10 @@ class Server:
         limits = ["prlimit", limit] if limit else []  # prlimit executes the server in the same process
         command = [*limits, program or os.environ["CCDT_SERVER"], "--port=0", "--cache=0", f"--timeout={PATIENCE}",
                    *flags]
+        # The server would warn of variables of the tests, such as CCDT_SERVER, which scripts use.
+        inherited = {name: value for name, value in os.environ.items() if program or not name.startswith("CCDT_")}
         self.process = subprocess.Popen(
-            command, stderr=subprocess.PIPE, text=True, env={**os.environ, **(environment or {})})
+            command, stderr=subprocess.PIPE, text=True, env={**inherited, **(environment or {})})
         self.lines = []
         self.news = threading.Condition()
         self.reader = threading.Thread(target=self._read_log, daemon=True)

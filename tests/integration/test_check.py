@@ -33,7 +33,7 @@ class Check(unittest.TestCase):
         values, found = done.stdout.split("and finds\n")
         rows = [re.match(r"  (\S+) +(.+?) +(\S+)$", line).groups() for line in values.splitlines()[1:]]
         parts = [line.split(maxsplit=2) for line in found.splitlines()]
-        self.assertEqual([part for part, _, _ in parts], PARTS)
+        self.assertEqual([part for part, _, _ in parts if part != "variables"], PARTS)
         return (done.returncode, {flag: (value, origin) for flag, value, origin in rows},
                 {part: (state, words) for part, state, words in parts})
 
@@ -59,6 +59,13 @@ class Check(unittest.TestCase):
         self.assertRegex(parts["files"][1], r"\d+ connections, \d+ in reserve")
         self.assertIn(str(self.folder / "jobs"), parts["jobs"][1])
         self.assertEqual(list(self.folder.iterdir()), [], "no file may be created")
+
+    def test_reports_unknown_variables(self):
+        code, _, parts = self.check("--port=0", CCDT_QUEU="3")
+        self.assertEqual((code, parts["variables"]),
+                         (0, ("weak", "the variable CCDT_QUEU has no effect; did you mean CCDT_QUEUE?")))
+        with Server(environment={"CCDT_QUEU": "3"}) as server:
+            self.assertIn(" warning the variable CCDT_QUEU has no effect; did you mean CCDT_QUEUE?", server.log())
 
     def test_reports_all_faults_at_once(self):
         (self.folder / "file").touch()

@@ -13,10 +13,11 @@ namespace {
 using Variables = std::map<std::string, std::string>;
 
 Result<CommandLine> parse(const std::vector<const char*>& arguments, const Variables& variables = {}) {
-    return parse_command_line(arguments, [&](const char* name) -> const char* {
-        const auto found = variables.find(name);
-        return found == variables.end() ? nullptr : found->second.c_str();
-    });
+    std::vector<std::string> texts;
+    for (const auto& [name, value] : variables) texts.push_back(name + '=' + value);
+    std::vector<const char*> environment;
+    for (const auto& text : texts) environment.push_back(text.c_str());
+    return parse_command_line(arguments, environment);
 }
 
 TEST(Config, HasTheDocumentedDefaults) {
@@ -254,6 +255,14 @@ TEST(Config, DerivesTheCacheSizeFromTheMemory) {
     EXPECT_FALSE(parse({})->config.cache_shared);
     EXPECT_TRUE(parse({}, {{"CCDT_CACHE_SHARED", "true"}})->config.cache_shared);
     EXPECT_FALSE(parse({"--cache-shared=yes"}));
+}
+
+TEST(Config, WarnsOfUnknownVariables) {
+    const auto parsed = parse({}, {{"CCDT_WORKER", "3"}, {"CCDT_HOME", "/"}, {"CCDT_EMPTY", ""}, {"PROT", "81"}});
+    ASSERT_TRUE(parsed) << parsed.error().message;
+    EXPECT_EQ(parsed->warnings,
+              (std::vector<std::string>{"the variable CCDT_HOME has no effect; --help lists the options",
+                                        "the variable CCDT_WORKER has no effect; did you mean CCDT_WORKERS?"}));
 }
 
 TEST(Config, PrefersFlagsToTheEnvironment) {
