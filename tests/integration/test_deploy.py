@@ -33,9 +33,9 @@ SCALE = FILES["compose.scale.yaml"]["services"]
 
 
 def variables():
-    """Returns the environment variables that the server reads."""
+    """Returns the environment variables that the server reads, and the kinds of their values."""
     output = execute([os.environ["CCDT_SERVER"], "--help"], capture_output=True, text=True, check=True).stdout
-    return set(re.findall(r"^  --\S+ \S+ +(\S+)", output, re.MULTILINE))
+    return {name: kind for kind, name in re.findall(r"^  --\S+ (\S+) +(\S+)", output, re.MULTILINE)}
 
 
 class Compose(unittest.TestCase):
@@ -50,10 +50,22 @@ class Compose(unittest.TestCase):
             jsonschema.validate({"services": {"ccdt-server": {"imge": "ccdt-server"}}}, schema)
 
     def test_set_only_variables_of_the_server(self):
-        known = variables()
+        known = variables().keys()
         self.assertIn("CCDT_WORKERS", known)
         for content in FILES.values():
-            self.assertEqual(set(content["services"]["ccdt-server"]["environment"]) - known, set())
+            self.assertEqual(content["services"]["ccdt-server"]["environment"].keys() - known, set())
+
+    def test_passes_all_variables_and_mounts_the_files_they_name(self):
+        service = FILES["compose.yaml"]["services"]["ccdt-server"]
+        mounts = {volume["target"]: volume for volume in service["volumes"]}
+        self.assertEqual(service["environment"].keys(), variables().keys() - {"PORT", "BIND"})  # the image sets these
+        for name, kind in variables().items():
+            if kind in ("FILE", "FOLDER"):
+                target = re.fullmatch(rf"\$\{{{name}:\+(/mnt/\S+)\}}", service["environment"][name]).group(1)
+                mount = mounts.pop(target)
+                self.assertEqual((mount["type"], mount["source"]), ("bind", f"${{{name}:-/dev/null}}"))
+                self.assertEqual(mount.get("read_only", False), name != "CCDT_DATA_DIR")
+        self.assertEqual(mounts, {})
 
     def test_services_are_unprivileged(self):
         for content in FILES.values():
