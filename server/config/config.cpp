@@ -327,12 +327,21 @@ std::string without_password(std::string_view text) {
     return std::string(text.substr(0, colon + 1)) + "***" + std::string(text.substr(end));
 }
 
+/// Writes a number of bytes with a unit, unless that would round it.
+std::string with_unit(const std::string& value) {
+    const std::size_t bytes = *parse_bytes(value, 0);
+    const std::string text = format_bytes(bytes);
+    const auto parsed = parse_bytes(text, 0);
+    return parsed && *parsed == bytes ? text : value;
+}
+
 Result<void> apply(const Setting& setting, std::string_view name, std::string_view value, Draft& draft) {
     const std::string expected = setting.apply(draft, value);
     if (expected.empty()) {
         const bool by_flag = name == setting.flag;
         const std::string_view origin = by_flag ? setting.flag : setting.variable;
-        const std::string shown = setting.only_by_variable ? "***" : without_password(value);
+        std::string shown = setting.only_by_variable ? "***" : without_password(value);
+        if (setting.value == "BYTES") shown = with_unit(shown);
         draft.given.insert_or_assign(setting.flag, ChosenValue{setting.flag, shown, origin});
         return {};
     }
@@ -407,21 +416,25 @@ std::string default_of(const Setting& setting) {
 /// Lists the values of all flags, including computed defaults.
 std::vector<ChosenValue> chosen_values(const Draft& draft) {
     const Config& config = draft.config;
-    const std::map<std::string_view, std::size_t> computed{
-        {"--workers", config.workers},      {"--threads-per-request", config.threads_per_request},
-        {"--queue", config.queue},          {"--max-connections", config.capacity.connections},
-        {"--memory", config.memory},        {"--cache", config.cache},
-        {"--job-bytes", config.jobs.bytes},
+    const std::map<std::string_view, std::string> computed{
+        {"--workers", std::to_string(config.workers)},
+        {"--threads-per-request", std::to_string(config.threads_per_request)},
+        {"--queue", std::to_string(config.queue)},
+        {"--max-connections", std::to_string(config.capacity.connections)},
+        {"--memory", format_bytes(config.memory)},
+        {"--cache", format_bytes(config.cache)},
+        {"--job-bytes", format_bytes(config.jobs.bytes)},
+        {"--cors-origin", config.cors_origins.empty() ? "none" : config.cors_origins.front()},
+        {"--allowed-host", config.allowed_hosts.front()},
     };
     std::vector<ChosenValue> values;
     for (const Setting& setting : kSettings) {
         const auto given = draft.given.find(setting.flag);
-        const auto number = computed.find(setting.flag);
+        const auto derived = computed.find(setting.flag);
         if (given != draft.given.end())
             values.push_back(given->second);
         else
-            values.push_back(
-                {setting.flag, number == computed.end() ? default_of(setting) : std::to_string(number->second), {}});
+            values.push_back({setting.flag, derived == computed.end() ? default_of(setting) : derived->second, {}});
     }
     return values;
 }

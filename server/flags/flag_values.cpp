@@ -27,6 +27,20 @@ Result<std::size_t> parse_bytes(std::string_view text, std::uint64_t low) {
     return static_cast<std::size_t>(*number << shift);
 }
 
+std::string format_bytes(std::size_t bytes) {
+    constexpr std::size_t kStep = 1024, kTenths = 10;
+    std::size_t unit = 1;
+    std::string_view name;
+    for (const std::string_view larger : {"KiB", "MiB", "GiB"}) {
+        if (bytes / kStep < unit) break;
+        unit *= kStep;
+        name = larger;
+    }
+    const std::size_t rounded = bytes / unit * kTenths + (bytes % unit * kTenths + unit / 2) / unit;
+    const std::string fraction = rounded % kTenths == 0 ? "" : '.' + std::to_string(rounded % kTenths);
+    return std::to_string(rounded / kTenths) + fraction + std::string(name);
+}
+
 std::string suggestion(std::span<const std::string> names, std::string_view misspelt) {
     const std::string* const similar = api::find_similar(names, misspelt);
     return similar == nullptr ? "--help lists the options" : "did you mean " + *similar + "?";

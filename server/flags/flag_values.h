@@ -20,6 +20,9 @@ Result<std::size_t> parse_whole(std::string_view text, std::uint64_t low, std::u
 /// Errors: Malformed; the message describes the valid values.
 Result<std::size_t> parse_bytes(std::string_view text, std::uint64_t low = 1);
 
+/// Formats a number of bytes in the largest unit that fits, rounded to a tenth of it, such as "64MiB" or "11.7GiB".
+std::string format_bytes(std::size_t bytes);
+
 /// Returns the hint for a name that is not in a list: the question whether a similar name was meant, or a reference to
 /// --help.
 std::string suggestion(std::span<const std::string> names, std::string_view misspelt);

@@ -165,7 +165,14 @@ TEST(Config, ShowsWhereValuesComeFrom) {
     EXPECT_EQ(shown(parsed, "--workers"), "3|CCDT_WORKERS");
     EXPECT_EQ(shown(parsed, "--job-bytes"), "1MiB|CCDT_JOB_BYTES");
     EXPECT_EQ(shown(parsed, "--max-connections"), "520|");
-    EXPECT_EQ(shown(parsed, "--memory"), std::to_string(parsed->config.memory) + '|');
+    EXPECT_EQ(shown(parsed, "--cors-origin"), "none|");
+    EXPECT_EQ(shown(parsed, "--allowed-host"), "*|");
+    EXPECT_EQ(shown(parse({}), "--cors-origin"), "loopback|");
+    EXPECT_EQ(shown(parse({}), "--allowed-host"), "loopback|");
+    EXPECT_EQ(shown(parse({"--memory=1073741824"}), "--memory"), "1GiB|--memory");
+    EXPECT_EQ(shown(parse({"--memory=1073741825"}), "--memory"), "1073741825|--memory");
+    EXPECT_EQ(shown(parse({"--memory=1GiB"}), "--cache"), "52MiB|");
+    EXPECT_EQ(shown(parse({"--memory=1050000KiB"}), "--job-bytes"), "52.1MiB|");
     EXPECT_EQ(shown(parsed, "--timeout"), "60|");
     EXPECT_EQ(shown(parsed, "--api-key-file"), "|");
 }
