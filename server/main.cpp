@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <functional>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -26,13 +27,26 @@ namespace {
 constexpr int kFailed = 1;
 constexpr int kWrongUsage = 2;
 
-void reload_keys(Service& service, const Config& config, const Log& log) {
-    if (config.api_key_file.empty() && config.signing.file.empty())
-        log.info("SIGHUP is ignored: there is no key file to reload");
-    else if (const auto read = service.read_keys(); read)
-        log.info("the keys were reloaded");
-    else
-        log.error("the keys stay as they were: " + read.error().message);
+/// Returns all environment variables, as `NAME=value`.
+std::span<const char* const> environment() {
+    std::size_t count = 0;
+    while (environ[count] != nullptr) ++count;
+    return {environ, count};
+}
+
+/// Reloads the file of settings and the key files.
+/// @param running    command line with which the server runs
+/// @param arguments  arguments of that command line
+void reload(Service& service, const CommandLine& running, std::span<const char* const> arguments, const Log& log) {
+    const Config& config = running.config;
+    if (config.api_key_file.empty() && config.signing.file.empty() && config.file.empty())
+        return log.info("SIGHUP is ignored: there is no file to reload");
+    const auto fresh = parse_command_line(arguments, environment());
+    const auto done = fresh ? service.reload(fresh->config.live) : tl::unexpected(fresh.error());
+    if (!done) return log.error("settings and keys stay as they were: " + done.error().message);
+    log.info("settings and keys were reloaded");
+    const std::string changes = changes_for_restart(running.values, fresh->values);
+    if (!changes.empty()) log.warning("these settings have changed, but need a restart: " + changes);
 }
 
 /// Tells the service manager the state of the server, and logs a failure, after which the manager may stop the server.
@@ -54,7 +68,9 @@ void end_serving() {
 
 /// Serves until a signal arrives, accepting connections fails, or a program of the server does not start.
 /// @returns  false after a failure
-bool serve_until_signal(Service& service, const ServerSignals& signals, const Config& config, const Log& log) {
+/// @param reload  called for each SIGHUP
+bool serve_until_signal(Service& service, const ServerSignals& signals, const Config& config,
+                        const std::function<void()>& reload, const Log& log) {
     ShutdownDeadline deadline(
         config.drain_timeout, [&] { service.abandon(); }, log);
     bool started = true;
@@ -74,7 +90,7 @@ bool serve_until_signal(Service& service, const ServerSignals& signals, const Co
         log.error("accepting connections failed");
         end_serving();
     });
-    signals.wait_for_end([&] { reload_keys(service, config, log); });
+    signals.wait_for_end(reload);
     starter.request_stop();
     starter.join();
     deadline.start();
@@ -87,7 +103,7 @@ bool serve_until_signal(Service& service, const ServerSignals& signals, const Co
     return served && started;
 }
 
-int serve(const CommandLine& command) {
+int serve(const CommandLine& command, std::span<const char* const> arguments) {
     const Config& config = command.config;
     constexpr int kGivenBack = 1 << 20;
     give_back_freed_memory(kGivenBack);
@@ -100,7 +116,8 @@ int serve(const CommandLine& command) {
         return kFailed;
     }
     log.info("listening on " + (*service)->address());
-    return serve_until_signal(**service, signals, config, log) ? EXIT_SUCCESS : kFailed;
+    const auto reload_files = [&] { reload(**service, command, arguments, log); };
+    return serve_until_signal(**service, signals, config, reload_files, log) ? EXIT_SUCCESS : kFailed;
 }
 
 int report_check(const CommandLine& command) {
@@ -116,13 +133,6 @@ int report_health(const Config& config) {
     const auto healthy = check_health(config);
     if (!healthy) std::fprintf(stderr, "ccdt-server: %s\n", healthy.error().message.c_str());
     return healthy ? EXIT_SUCCESS : kFailed;
-}
-
-/// Returns all environment variables, as `NAME=value`.
-std::span<const char* const> environment() {
-    std::size_t count = 0;
-    while (environ[count] != nullptr) ++count;
-    return {environ, count};
 }
 
 int run(std::span<const char* const> arguments) {
@@ -141,6 +151,9 @@ int run(std::span<const char* const> arguments) {
         case CommandLine::Action::Version:
             std::puts("ccdt-server " CCDT_VERSION);
             return EXIT_SUCCESS;
+        case CommandLine::Action::PrintConfig:
+            std::fputs(config_file(command->values).c_str(), stdout);
+            return EXIT_SUCCESS;
         case CommandLine::Action::Check:
             return report_check(*command);
         case CommandLine::Action::Health:
@@ -148,7 +161,7 @@ int run(std::span<const char* const> arguments) {
         case CommandLine::Action::Serve:
             break;
     }
-    return serve(*command);
+    return serve(*command, arguments);
 }
 
 }  // namespace

@@ -55,6 +55,11 @@ Result<void> AccessControl::read_keys() {
     return {};
 }
 
+void AccessControl::set_rate(const RateLimiter::Rate& rate) {
+    limiter_.set_rate(rate);
+    if (shared_) shared_->set_rate(rate);
+}
+
 AccessControl::Verdict AccessControl::check(const Request& request, const std::string& address, Credential needed) {
     if (needed == Credential::None) return {{}, address, {}, {}};
     const Keys keys = this->keys();

@@ -63,6 +63,8 @@ public:
     /// Reads the configured keys. An error leaves the present keys in use.
     Result<void> read_keys();
 
+    void set_rate(const RateLimiter::Rate& rate);
+
     /// Counts a request for its client's rate, and checks its credential.
     /// @param address  address of the client, used to count requests without a valid key; empty: none
     Verdict check(const Request& request, const std::string& address, Credential needed = Credential::Key);

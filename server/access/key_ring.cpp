@@ -3,11 +3,10 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <fstream>
-#include <iterator>
 #include <utility>
 
 #include "api/text/text.h"
+#include "server/files/text_file.h"
 #include "server/http/http.h"
 #include "server/requests/digest.h"
 
@@ -65,10 +64,9 @@ Result<KeyRing> KeyRing::parse(std::string_view text, std::size_t shortest) {
 }
 
 Result<KeyRing> KeyRing::read(const std::string& file, std::size_t shortest) {
-    std::ifstream stream(file, std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(stream), {}};
-    if (!stream.is_open() || stream.bad()) return failure(ErrorCode::Unusable, file + ": cannot be read");
-    return parse(text, shortest).map_error([&](Error error) {
+    const auto text = read_text_file(file);
+    if (!text) return tl::unexpected(text.error());
+    return parse(*text, shortest).map_error([&](Error error) {
         error.message.insert(0, file + ": ");
         return error;
     });

@@ -7,9 +7,14 @@ namespace ccdt::server {
 
 using Seconds = std::chrono::duration<double>;
 
-std::chrono::seconds RateLimiter::take(const std::string& client, Clock::time_point now) {
-    if (rate_.per_second <= 0) return std::chrono::seconds(0);
+void RateLimiter::set_rate(const Rate& rate) {
     const std::lock_guard lock(mutex_);
+    rate_ = rate;
+}
+
+std::chrono::seconds RateLimiter::take(const std::string& client, Clock::time_point now) {
+    const std::lock_guard lock(mutex_);
+    if (rate_.per_second <= 0) return std::chrono::seconds(0);
     Bucket& bucket = bucket_of_locked(client, now);
     const double gained = Seconds(now - bucket.filled).count() * rate_.per_second;
     bucket.tokens = std::min(bucket.tokens + std::max(gained, 0.0), static_cast<double>(rate_.burst));

@@ -22,7 +22,10 @@ public:
         std::size_t burst = 20;  ///< capacity of a bucket, in tokens
     };
 
-    explicit RateLimiter(const Rate& rate, std::size_t max_clients = 65'536) : rate_(rate), max_clients_(max_clients) {}
+    explicit RateLimiter(const Rate& rate, std::size_t max_clients = 65'536) : max_clients_(max_clients), rate_(rate) {}
+
+    /// Changes the rate. Buckets keep their tokens, up to the new capacity.
+    void set_rate(const Rate& rate);
 
     /// Takes a token for a request.
     /// @returns  0 if a token was available, otherwise the number of seconds until one is
@@ -39,10 +42,10 @@ private:
 
     Bucket& bucket_of_locked(const std::string& client, Clock::time_point now);
 
-    const Rate rate_;
     const std::size_t max_clients_;
 
-    mutable std::mutex mutex_;   ///< guards the members below
+    mutable std::mutex mutex_;  ///< guards the members below
+    Rate rate_;
     std::list<Bucket> buckets_;  ///< most recent client first
     std::unordered_map<std::string, std::list<Bucket>::iterator> by_client_;
 };

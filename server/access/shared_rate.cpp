@@ -41,11 +41,20 @@ return {wait, damaged}
 
 }  // namespace
 
+void SharedRate::set_rate(const RateLimiter::Rate& rate) {
+    const std::lock_guard lock(mutex_);
+    rate_ = rate;
+}
+
 std::optional<std::chrono::seconds> SharedRate::take(const std::string& client) {
-    if (rate_.per_second <= 0) return std::chrono::seconds(0);
+    const auto [tokens, capacity] = [this] {
+        const std::lock_guard lock(mutex_);
+        return rate_;
+    }();
+    if (tokens <= 0) return std::chrono::seconds(0);
     char rate[32];
-    const std::string_view per_second(rate, std::to_chars(std::begin(rate), std::end(rate), rate_.per_second).ptr);
-    const std::string burst = std::to_string(rate_.burst);
+    const std::string_view per_second(rate, std::to_chars(std::begin(rate), std::end(rate), tokens).ptr);
+    const std::string burst = std::to_string(capacity);
     const std::string key = std::string(kPrefix) + client;
     const auto reply = client_.run(kTake, key, {per_second, burst});
     if (!reply || reply->items.size() != 2) return std::nullopt;

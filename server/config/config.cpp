@@ -61,6 +61,7 @@ struct Setting {
     Apply apply;
     bool is_secret = false;         ///< error messages do not show the value
     bool only_by_variable = false;  ///< no flag, because the list of processes would show the value
+    bool is_live = false;           ///< SIGHUP changes the value
 };
 
 /// Stores a parsed value.
@@ -155,7 +156,7 @@ std::string set_rate(Draft& draft, std::string_view text) {
     constexpr double kMax = 1e6;
     const auto rate = api::parse_number<double>(text);
     if (!rate || !(*rate >= 0) || *rate > kMax) return "a number of requests per second from 0 to 1000000";
-    draft.config.rate.per_second = *rate;
+    draft.config.live.rate.per_second = *rate;
     return {};
 }
 
@@ -194,6 +195,12 @@ std::vector<std::string> all_allowed_hosts(const Draft& draft) {
 }
 
 constexpr auto kSettings = std::to_array<Setting>({
+    {"--config", "CCDT_CONFIG", "FILE",
+     "lines of name = value; flags and variables override it; SIGHUP reloads it (none)",
+     [](Draft& draft, std::string_view text) {
+         draft.config.file = text;
+         return std::string(text.empty() ? "a file's name" : "");
+     }},
     {"--port", "PORT", "N", "port to listen on, 0 for any free port (8080)", set_port},
     {"--bind", "BIND", "ADDRESS", "address to listen on, or unix:PATH (127.0.0.1)", set_bind},
     {"--workers", "CCDT_WORKERS", "N", "simultaneous computations (one per core, at most one per 96MiB of --memory)",
@@ -265,10 +272,10 @@ constexpr auto kSettings = std::to_array<Setting>({
      [](Draft& draft, std::string_view text) { return set_redis(draft.config.cache_redis, text); }, true},
     {"--cors-origin", "CCDT_CORS_ORIGIN", "ORIGINS",
      "origins whose pages may call, separated by commas; * for all, loopback (default on loopback) or none",
-     set_cors_origins},
+     set_cors_origins, false, false, true},
     {"--allowed-host", "CCDT_ALLOWED_HOST", "HOSTS",
      "hosts that requests may name besides loopback, separated by commas; * for any (none on loopback, otherwise any)",
-     set_allowed_hosts},
+     set_allowed_hosts, false, false, true},
     {"--api-key-file", "CCDT_API_KEY_FILE", "FILE", "lines of name:key; clients need a key; SIGHUP reloads the file",
      [](Draft& draft, std::string_view text) {
          draft.config.api_key_file = text;
@@ -297,25 +304,42 @@ constexpr auto kSettings = std::to_array<Setting>({
      },
      true, true},
     {"--rate-limit", "CCDT_RATE_LIMIT", "N", "requests per second for each key or address, 0 for no limit (0)",
-     set_rate},
+     set_rate, false, false, true},
     {"--rate-burst", "CCDT_RATE_BURST", "N", "requests that may arrive at once under a rate limit (20)",
-     [](Draft& draft, std::string_view text) { return set_whole(draft.config.rate.burst, text, 1, 1'000'000); }},
+     [](Draft& draft, std::string_view text) { return set_whole(draft.config.live.rate.burst, text, 1, 1'000'000); },
+     false, false, true},
     {"--rate-redis", "CCDT_RATE_REDIS", "URL", "Redis in which servers count requests together (none)",
      [](Draft& draft, std::string_view text) { return set_redis(draft.config.rate_redis, text); }, true},
     {"--log-format", "CCDT_LOG_FORMAT", "FORMAT", "text or json (text)", set_log_format},
 });
 
 /// Flags that do something other than start the server, and their help texts.
-constexpr auto kActions = std::to_array<std::pair<std::string_view, std::string_view>>({
-    {"--check", "prints all values and what is wrong; exits with 1 if the server would not start"},
-    {"--health", "asks the server on this address and port whether it is alive; exits with 1 if not"},
-    {"--help", "prints the list of options"},
-    {"--manual", "prints the manual page, for man(1)"},
-    {"--version", "prints the version"},
+struct ActionFlag {
+    std::string_view flag;
+    CommandLine::Action action;
+    std::string_view help;
+};
+constexpr auto kActions = std::to_array<ActionFlag>({
+    {"--check", CommandLine::Action::Check,
+     "prints all values and what is wrong; exits with 1 if the server would not start"},
+    {"--health", CommandLine::Action::Health,
+     "asks the server on this address and port whether it is alive; exits with 1 if not"},
+    {"--help", CommandLine::Action::Help, "prints the list of options"},
+    {"--manual", CommandLine::Action::Manual, "prints the manual page, for man(1)"},
+    {"--print-config", CommandLine::Action::PrintConfig,
+     "prints a file for --config with all values; defaults and passwords are comments"},
+    {"--version", CommandLine::Action::Version, "prints the version"},
 });
 
+/// Whether an action works even if settings are invalid.
+bool needs_no_settings(CommandLine::Action action) {
+    using Action = CommandLine::Action;
+    return action == Action::Help || action == Action::Version || action == Action::Manual;
+}
+
 constexpr std::string_view kVariables =
-    "Each option may also be given as the environment variable beside it. The flag overrides the variable.";
+    "Each option may also be given as the environment variable beside it, or in the file of --config. A flag overrides "
+    "its variable, and both override the file.";
 
 /// Replaces the password in a text such as `redis://user:password@host` by asterisks.
 std::string without_password(std::string_view text) {
@@ -335,14 +359,17 @@ std::string with_unit(const std::string& value) {
     return parsed && *parsed == bytes ? text : value;
 }
 
-Result<void> apply(const Setting& setting, std::string_view name, std::string_view value, Draft& draft) {
+/// Applies a value.
+/// @param name    name of the setting for error messages
+/// @param origin  see ChosenValue
+Result<void> apply(const Setting& setting, std::string_view name, std::string_view value, std::string_view origin,
+                   Draft& draft) {
     const std::string expected = setting.apply(draft, value);
     if (expected.empty()) {
-        const bool by_flag = name == setting.flag;
-        const std::string_view origin = by_flag ? setting.flag : setting.variable;
         std::string shown = setting.only_by_variable ? "***" : without_password(value);
         if (setting.value == "BYTES") shown = with_unit(shown);
-        draft.given.insert_or_assign(setting.flag, ChosenValue{setting.flag, shown, origin});
+        draft.given.insert_or_assign(setting.flag,
+                                     ChosenValue{setting.flag, shown, std::string(origin), std::string(value)});
         return {};
     }
     if (setting.is_secret) return failure(ErrorCode::Malformed, std::string(name) + ": " + expected);
@@ -362,7 +389,7 @@ Result<void> read_environment(std::span<const char* const> environment, Draft& d
         const auto setting = std::ranges::find(kSettings, name, &Setting::variable);
         if (setting == kSettings.end()) {
             if (name.starts_with("CCDT_")) draft.warnings.push_back(warn_of_variable(name));
-        } else if (auto taken = apply(*setting, name, value, draft); !taken) {
+        } else if (auto taken = apply(*setting, name, value, name, draft); !taken) {
             return taken;
         }
     }
@@ -372,7 +399,7 @@ Result<void> read_environment(std::span<const char* const> environment, Draft& d
 std::vector<std::string> all_flags() {
     std::vector<std::string> flags;
     for (const Setting& setting : kSettings) flags.emplace_back(setting.flag);
-    for (const auto& [flag, help] : kActions) flags.emplace_back(flag);
+    for (const ActionFlag& each : kActions) flags.emplace_back(each.flag);
     return flags;
 }
 
@@ -380,11 +407,10 @@ Result<CommandLine::Action> read_flags(std::span<const char* const> arguments, D
     auto action = CommandLine::Action::Serve;
     for (std::size_t i = 0; i < arguments.size(); ++i) {
         const std::string_view argument = arguments[i];
-        if (argument == "--help" || argument == "-h") return CommandLine::Action::Help;
-        if (argument == "--version") return CommandLine::Action::Version;
-        if (argument == "--manual") return CommandLine::Action::Manual;
-        if (argument == "--check" || argument == "--health") {
-            action = argument == "--check" ? CommandLine::Action::Check : CommandLine::Action::Health;
+        const auto other = std::ranges::find(kActions, argument == "-h" ? "--help" : argument, &ActionFlag::flag);
+        if (other != kActions.end()) {
+            action = other->action;
+            if (needs_no_settings(action)) return action;
             continue;
         }
         const auto equals = argument.find('=');
@@ -401,9 +427,43 @@ Result<CommandLine::Action> read_flags(std::span<const char* const> arguments, D
         if (!attached && ++i == arguments.size())
             return failure(ErrorCode::Malformed, std::string(name) + " needs a value");
         const auto value = attached ? argument.substr(equals + 1) : std::string_view(arguments[i]);
-        if (auto taken = apply(*setting, name, value, draft); !taken) return tl::unexpected(taken.error());
+        if (auto taken = apply(*setting, name, value, name, draft); !taken) return tl::unexpected(taken.error());
     }
     return action;
+}
+
+/// Returns the name of a setting in a file.
+std::string_view file_name_of(const Setting& setting) {
+    return setting.flag.substr(2);
+}
+
+/// Reads a file of settings. Leaves settings unchanged that have a value already.
+/// @param file  name of the file, for messages
+Result<void> read_settings(std::string_view text, const std::string& file, Draft& draft) {
+    std::vector<std::string> names;
+    for (const Setting& setting : kSettings) names.emplace_back(file_name_of(setting));
+    std::map<std::string_view, std::size_t> lines;
+    const auto given_before = draft.given;
+    for (std::size_t number = 1; !text.empty(); ++number) {
+        auto value = api::trim(api::take_until(text, "\n"), " \t\r");
+        if (value.empty() || value.starts_with('#')) continue;
+        const std::string origin = file + ':' + std::to_string(number);
+        if (value.find('=') == std::string_view::npos)
+            return failure(ErrorCode::Malformed, origin + ": the line is not of the form name = value");
+        const auto name = api::trim(api::take_until(value, "="), " \t");
+        value = api::trim(value, " \t");
+        const auto setting = std::ranges::find_if(
+            kSettings, [name](const Setting& each) { return name == file_name_of(each) || name == each.variable; });
+        if (setting == kSettings.end())
+            return failure(ErrorCode::Malformed,
+                           origin + ": '" + std::string(name) + "' is not an option; " + suggestion(names, name));
+        if (const auto [line, is_new] = lines.emplace(setting->flag, number); !is_new)
+            return failure(ErrorCode::Malformed,
+                           origin + ": " + std::string(name) + " is given in line " + std::to_string(line->second));
+        if (value.empty() || given_before.contains(setting->flag)) continue;
+        if (auto taken = apply(*setting, origin + ": " + std::string(name), value, origin, draft); !taken) return taken;
+    }
+    return {};
 }
 
 /// Returns the default value of a setting: the text in parentheses at the end of its help text.
@@ -424,8 +484,8 @@ std::vector<ChosenValue> chosen_values(const Draft& draft) {
         {"--memory", format_bytes(config.memory)},
         {"--cache", format_bytes(config.cache)},
         {"--job-bytes", format_bytes(config.jobs.bytes)},
-        {"--cors-origin", config.cors_origins.empty() ? "none" : config.cors_origins.front()},
-        {"--allowed-host", config.allowed_hosts.front()},
+        {"--cors-origin", config.live.cors_origins.empty() ? "none" : config.live.cors_origins.front()},
+        {"--allowed-host", config.live.allowed_hosts.front()},
     };
     std::vector<ChosenValue> values;
     for (const Setting& setting : kSettings) {
@@ -434,7 +494,7 @@ std::vector<ChosenValue> chosen_values(const Draft& draft) {
         if (given != draft.given.end())
             values.push_back(given->second);
         else
-            values.push_back({setting.flag, derived == computed.end() ? default_of(setting) : derived->second, {}});
+            values.push_back({setting.flag, derived == computed.end() ? default_of(setting) : derived->second, {}, {}});
     }
     return values;
 }
@@ -448,22 +508,25 @@ std::string padded(std::string_view text, std::size_t width) {
 
 }  // namespace
 
-Result<CommandLine> parse_command_line(std::span<const char* const> arguments,
-                                       std::span<const char* const> environment) {
+Result<CommandLine> parse_command_line(std::span<const char* const> arguments, std::span<const char* const> environment,
+                                       const ReadFile& read_file) {
     // Reads the flags first, so that --help works even if the environment is invalid.
     Draft flags;
     const auto action = read_flags(arguments, flags);
     if (!action) return tl::unexpected(action.error());
-    using Action = CommandLine::Action;
-    if (*action == Action::Help || *action == Action::Version || *action == Action::Manual)
-        return CommandLine{*action, {}, {}, {}};
+    if (needs_no_settings(*action)) return CommandLine{*action, {}, {}, {}};
 
     Draft draft;
     const std::size_t cores = std::max<std::size_t>(1, std::thread::hardware_concurrency());
     if (auto read = read_environment(environment, draft); !read) return tl::unexpected(read.error());
     if (auto read = read_flags(arguments, draft); !read) return tl::unexpected(read.error());
-    draft.config.cors_origins = draft.cors_origins.value_or(default_cors_origins(draft.config.bind));
-    draft.config.allowed_hosts = all_allowed_hosts(draft);
+    if (const std::string file = draft.config.file; !file.empty()) {
+        const auto text = read_file(file);
+        if (!text) return tl::unexpected(text.error());
+        if (auto read = read_settings(*text, file, draft); !read) return tl::unexpected(read.error());
+    }
+    draft.config.live.cors_origins = draft.cors_origins.value_or(default_cors_origins(draft.config.bind));
+    draft.config.live.allowed_hosts = all_allowed_hosts(draft);
     if (draft.config.redis && !draft.config.data_dir.empty())
         return failure(ErrorCode::Malformed, "--data-dir and --redis: only one of them may be given");
     if (!draft.config.signing.file.empty() && !draft.config.signing.key.empty())
@@ -491,7 +554,8 @@ std::string usage() {
         const std::string flag = "  " + std::string(setting.flag) + ' ' + std::string(setting.value);
         text += padded(flag, 35) + padded(setting.variable, 33) + std::string(setting.help) + '\n';
     }
-    for (const auto& [flag, help] : kActions) text += padded("  " + std::string(flag), 68) + std::string(help) + '\n';
+    for (const auto& [flag, action, help] : kActions)
+        text += padded("  " + std::string(flag), 68) + std::string(help) + '\n';
     return text + '\n' + std::string(kVariables) + '\n';
 }
 
@@ -502,7 +566,8 @@ std::string manual() {
     page.begin_section("DESCRIPTION");
     page.add_paragraph(
         "Answers requests for halftones, evenly spread points and their analysis until SIGTERM or SIGINT arrives. It "
-        "then accepts no new connections, and answers the requests that have arrived. SIGHUP reloads the key files.");
+        "then accepts no new connections, and answers the requests that have arrived. SIGHUP reloads the "
+        "file of --config and the key files; the log names changed settings that need a restart.");
     page.begin_section("OPTIONS");
     page.add_paragraph(kVariables);
     for (const Setting& setting : kSettings) {
@@ -512,7 +577,7 @@ std::string manual() {
         else
             page.add_option(setting.flag, setting.value, std::string(setting.help) + ". " + variable);
     }
-    for (const auto& [flag, help] : kActions) page.add_option(flag, {}, help);
+    for (const auto& [flag, action, help] : kActions) page.add_option(flag, {}, help);
     page.begin_section("EXIT STATUS");
     page.add_option("0", {}, "The server was stopped by a signal, or --check or --health found no fault.");
     page.add_option("1", {}, "The server could not start, or failed; --check or --health found a fault.");
@@ -522,11 +587,33 @@ std::string manual() {
     return page.text();
 }
 
+std::string config_file(const std::vector<ChosenValue>& values) {
+    std::string text = "# Settings of ccdt-server " CCDT_VERSION ", for its flag --config\n";
+    for (const auto& [flag, value, origin, given] : values) {
+        const Setting& setting = *std::ranges::find(kSettings, flag, &Setting::flag);
+        if (flag == kSettings.front().flag) continue;  // a file cannot name another file
+        const bool is_shown = !setting.only_by_variable && without_password(given) == given;
+        text += "\n# " + std::string(setting.help) + '\n' + (given.empty() || !is_shown ? "#" : "") +
+                std::string(file_name_of(setting)) + " = " + value + '\n';
+    }
+    return text;
+}
+
+std::string changes_for_restart(const std::vector<ChosenValue>& before, const std::vector<ChosenValue>& after) {
+    std::string flags;
+    for (std::size_t i = 0; i < kSettings.size(); ++i) {
+        const bool is_same = before[i].value == after[i].value && before[i].given == after[i].given;
+        if (kSettings[i].is_live || is_same) continue;
+        flags += (flags.empty() ? "" : ", ") + std::string(kSettings[i].flag);
+    }
+    return flags;
+}
+
 std::string describe(const std::vector<ChosenValue>& values) {
     std::string lines;
-    for (const auto& [flag, value, origin] : values)
+    for (const auto& [flag, value, origin, given] : values)
         lines += "  " + padded(flag, 33) + padded(value.empty() ? "none" : value, 25) +
-                 std::string(origin.empty() ? "default" : origin) + '\n';
+                 (origin.empty() ? "default" : origin) + '\n';
     return lines;
 }
 

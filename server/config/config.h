@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,6 +14,7 @@
 #include "core/base/result.h"
 #include "server/access/access_control.h"
 #include "server/access/rate_limiter.h"
+#include "server/files/text_file.h"
 #include "server/http/capacity.h"
 #include "server/http/connection.h"
 #include "server/http/hosts.h"
@@ -24,7 +26,15 @@ namespace ccdt::server {
 
 enum class LogFormat { Text, Json };
 
+/// Values that SIGHUP changes in a running server.
+struct LiveConfig {
+    std::vector<std::string> cors_origins;  ///< origins whose pages may use the server: cors_headers
+    std::vector<std::string> allowed_hosts{std::string(kAny)};  ///< hosts allowed in `Host`: see allows_host
+    RateLimiter::Rate rate;                                     ///< limit of requests for each key or address
+};
+
 struct Config {
+    std::string file;  ///< file of settings; empty: none
     std::string bind = "127.0.0.1";
     int port = 8080;                               ///< 0: any free port
     std::size_t workers = 1;                       ///< number of computations at the same time
@@ -45,22 +55,24 @@ struct Config {
     std::optional<RedisAddress> rate_redis;   ///< Redis in which servers share the rate limits of clients
     std::string data_dir;                     ///< folder of the job database; empty: jobs are in memory or in Redis
     std::optional<RedisAddress> redis;        ///< Redis in which servers share jobs
-    std::vector<std::string> cors_origins;    ///< origins whose pages may use the server: see cors_headers
-    std::vector<std::string> allowed_hosts{std::string(kAny)};  ///< hosts allowed in `Host`: see allows_host
-    std::string api_key_file;                                   ///< file of API keys; empty: no key is needed
-    std::string pictures;                                       ///< folder of pictures requested by name; empty: none
-    std::string docs;                                           ///< folder served under /docs/; empty: none
-    AccessControl::SigningKeys signing;                         ///< empty: pictures by name need no signature
-    RateLimiter::Rate rate;                                     ///< limit of requests for each key or address
+    LiveConfig live;
+    std::string api_key_file;            ///< file of API keys; empty: no key is needed
+    std::string pictures;                ///< folder of pictures requested by name; empty: none
+    std::string docs;                    ///< folder served under /docs/; empty: none
+    AccessControl::SigningKeys signing;  ///< empty: pictures by name need no signature
     LogFormat log_format = LogFormat::Text;
 };
 
 /// The value of a flag, and the origin of the value.
 struct ChosenValue {
     std::string_view flag;
-    std::string value;        ///< value as given, without passwords in URLs; empty: no value
-    std::string_view origin;  ///< name of the flag or the variable; empty: the default
+    std::string value;   ///< value for display, without passwords; empty: no value
+    std::string origin;  ///< name of the flag or the variable, or file and line; empty: the default
+    std::string given;   ///< value as given, which may contain a password; empty: the default
 };
+
+/// Reads a file of the operator.
+using ReadFile = std::function<Result<std::string>(const std::string& path)>;
 
 struct CommandLine {
     enum class Action {
@@ -68,7 +80,8 @@ struct CommandLine {
         Check,   ///< check whether the server could start
         Health,  ///< check whether a running server is alive
         Help,
-        Manual,  ///< print the manual page
+        Manual,       ///< print the manual page
+        PrintConfig,  ///< print a file of settings
         Version
     };
     Action action = Action::Serve;
@@ -77,19 +90,32 @@ struct CommandLine {
     std::vector<std::string> warnings;  ///< variables that begin with `CCDT_` and are not known
 };
 
-/// Reads the flags and the environment variables. A flag overrides its variable. An empty variable counts as not set.
+/// Reads the flags, the environment variables and the file of settings. A flag overrides its variable, which overrides
+/// the file. An empty variable, or an empty value in the file, counts as not set.
+///
+/// The file has lines `name = value`. A name is that of a flag without its hyphens, such as `max-body`, or that of a
+/// variable. Empty lines and lines that begin with # are ignored.
 ///
 /// @param arguments    without the program's name, as `--flag value` or `--flag=value`
 /// @param environment  all variables, as `NAME=value`
-/// Errors (Malformed): an unknown flag, a flag without a value, a value out of range. The message names the flag.
-Result<CommandLine> parse_command_line(std::span<const char* const> arguments,
-                                       std::span<const char* const> environment);
+/// @param read_file    reads the file of settings
+/// Errors (Malformed): an unknown flag, a flag without a value, a value out of range. The message names the flag, or
+/// the line of the file. Errors of `read_file`.
+Result<CommandLine> parse_command_line(std::span<const char* const> arguments, std::span<const char* const> environment,
+                                       const ReadFile& read_file = read_text_file);
 
 /// Returns the text that --help prints.
 std::string usage();
 
 /// Returns the manual page that --manual prints, in roff.
 std::string manual();
+
+/// Returns a file of settings with all values. Defaults, and values with passwords, are comments.
+std::string config_file(const std::vector<ChosenValue>& values);
+
+/// Lists the flags whose values differ and cannot be changed in a running server, separated by commas.
+/// @param before, after  values of two command lines
+std::string changes_for_restart(const std::vector<ChosenValue>& before, const std::vector<ChosenValue>& after);
 
 /// Returns one line for each flag: its value and origin.
 std::string describe(const std::vector<ChosenValue>& values);

@@ -176,7 +176,19 @@ Routes::Routes(const Config& config, Parts parts)
       pictures_(folder_of(config.pictures, "picture")),
       documents_(folder_of(config.docs, "document")),
       job_routes_(parts.jobs, parts.pool.memory(), config.jobs.ping),
-      id_prefix_(hexadecimal(std::random_device()(), 8) + "-") {}
+      id_prefix_(hexadecimal(std::random_device()(), 8) + "-"),
+      live_(std::make_shared<const LiveConfig>(config.live)) {}
+
+void Routes::reload(const LiveConfig& live) {
+    auto fresh = std::make_shared<const LiveConfig>(live);
+    const std::lock_guard lock(mutex_);
+    live_ = std::move(fresh);
+}
+
+std::shared_ptr<const LiveConfig> Routes::live() const {
+    const std::lock_guard lock(mutex_);
+    return live_;
+}
 
 Response Routes::answer(const Request& request, const HttpResult<void>& received, Connection& connection) {
     const auto found = find(request);
@@ -246,7 +258,7 @@ AccessControl::Credential Routes::required_credential(const Found& found, const 
 /// Refuses requests for hosts that are not allowed, except health checks.
 HttpResult<void> Routes::check_host(const Found& found, const Request& request) {
     const bool is_for_anyone = found.route != nullptr && found.route->access == Access::Anyone;
-    if (is_for_anyone || allows_host(config_.allowed_hosts, request.authority)) return {};
+    if (is_for_anyone || allows_host(live()->allowed_hosts, request.authority)) return {};
     const std::string host = request.authority.substr(0, kMaxHostLength);
     if (!warned_of_hosts_.exchange(true))
         warn_("a request for the host " + host + " was refused; --allowed-host with this name would allow it. " +
@@ -372,7 +384,7 @@ Response Routes::preflight(std::string_view allow, const Request& request) const
     Response response;
     response.status = 204;
     response.headers.push_back({"Allow", std::string(allow)});
-    if (!config_.cors_origins.empty() && !request.header("Access-Control-Request-Method").empty())
+    if (!live()->cors_origins.empty() && !request.header("Access-Control-Request-Method").empty())
         std::ranges::move(preflight_headers(allow), std::back_inserter(response.headers));
     return response;
 }
@@ -414,7 +426,7 @@ void Routes::negotiate_coding(const Request& request, Response& response) {
 /// origin, because browsers do not show the reason.
 void Routes::warn_of_refused_origin(const Request& request) {
     const auto origin = request.header("Origin").substr(0, kMaxOriginLength);
-    if (!asks_for_other_origin(request) || allows_origin(config_.cors_origins, origin)) return;
+    if (!asks_for_other_origin(request) || allows_origin(live()->cors_origins, origin)) return;
     if (warned_of_origins_.exchange(true)) return;
     warn_("a page of " + std::string(origin) + " may not call this server; --cors-origin " + std::string(origin) +
           " would allow it. Further refusals of origins are not logged");
@@ -423,7 +435,7 @@ void Routes::warn_of_refused_origin(const Request& request) {
 void Routes::add_common_headers(const Request& request, Response& response) const {
     response.headers.push_back({"X-Request-ID", response.record.request_id});
     response.headers.push_back({"Server-Timing", server_timing(response.record.stages)});
-    std::ranges::move(cors_headers(config_.cors_origins, request.header("Origin")),
+    std::ranges::move(cors_headers(live()->cors_origins, request.header("Origin")),
                       std::back_inserter(response.headers));
 }
 

@@ -4,6 +4,8 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -48,6 +50,9 @@ public:
 
     /// Answers a request. If `received` is a problem, the answer reports the problem.
     Response answer(const Request& request, const HttpResult<void>& received, Connection& connection);
+
+    /// Applies new values of settings to later requests.
+    void reload(const LiveConfig& live);
 
     const ResultCache& cache() const { return computing_.cache(); }
 
@@ -109,6 +114,7 @@ private:
 
     Response preflight(std::string_view allow, const Request& request) const;
 
+    std::shared_ptr<const LiveConfig> live() const;
     std::string request_id(const Request& request);
     static Response describe(Problem problem, Record& record);
     static void negotiate_coding(const Request& request, Response& response);
@@ -131,6 +137,9 @@ private:
     std::atomic<bool> warned_of_hosts_ = false;
     std::atomic<std::uint64_t> requests_ = 0;
     const std::string id_prefix_;  ///< prefix of request ids; differs between processes
+
+    mutable std::mutex mutex_;  ///< guards the live settings
+    std::shared_ptr<const LiveConfig> live_;
 };
 
 }  // namespace ccdt::server

@@ -133,7 +133,7 @@ Found check_answers(const Config& config) {
 }
 
 Found check_rates(const Config& config) {
-    if (config.rate.per_second <= 0) return {State::Good, "not limited"};
+    if (config.live.rate.per_second <= 0) return {State::Good, "not limited"};
     if (!config.rate_redis) return {State::Good, "counted here"};
     return check_redis(*config.rate_redis, "counted in", [](RedisClient& client) {
         return client.run(RedisCommand{"PING"}).map([](const RedisReply&) { return std::vector<std::string>(); });

@@ -40,7 +40,7 @@ std::unique_ptr<RedisClient> client_of(const std::optional<RedisAddress>& addres
 }
 
 Result<std::unique_ptr<AccessControl>> start_access_control(const Config& config, RedisClient* rates) {
-    auto access_control = std::make_unique<AccessControl>(config.api_key_file, config.rate, rates, config.signing);
+    auto access_control = std::make_unique<AccessControl>(config.api_key_file, config.live.rate, rates, config.signing);
     return access_control->read_keys().map([&] { return std::move(access_control); });
 }
 
@@ -183,6 +183,13 @@ Result<void> Service::wait_until_ready(const std::stop_token& stop) const {
     if (!ready) return ready;
     log_confinement(parts_.decoder->confinement(), log_);
     return parts_.computing->wait_until_ready(stop);
+}
+
+Result<void> Service::reload(const LiveConfig& live) {
+    if (auto read = parts_.access_control->read_keys(); !read) return read;
+    parts_.access_control->set_rate(live.rate);
+    routes_.reload(live);
+    return {};
 }
 
 std::string Service::address() const {

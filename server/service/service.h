@@ -51,8 +51,8 @@ public:
     /// Returns the listening address: a URL, or `unix:PATH`.
     std::string address() const;
 
-    /// Reloads the key files. An error leaves the present keys in use.
-    Result<void> read_keys() { return parts_.access_control->read_keys(); }
+    /// Applies new values of settings, and reloads the key files. An error changes nothing.
+    Result<void> reload(const LiveConfig& live);
 
     /// Serves until `drain` is called. Returns once all accepted requests are answered.
     /// @returns  false if accepting connections failed permanently

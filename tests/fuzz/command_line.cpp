@@ -35,8 +35,9 @@ void check_config(const server::Config& config) {
          {config.timeout, config.drain_timeout, config.patience.header, config.patience.body, config.patience.idle})
         check_duration(duration);
     CCDT_CHECK(config.capacity.connections >= 1 && config.capacity.bytes <= config.memory);
-    CCDT_CHECK(config.rate.per_second >= 0 && std::isfinite(config.rate.per_second) && config.rate.burst >= 1);
-    for (const auto& origin : config.cors_origins) {
+    CCDT_CHECK(config.live.rate.per_second >= 0 && std::isfinite(config.live.rate.per_second) &&
+               config.live.rate.burst >= 1);
+    for (const auto& origin : config.live.cors_origins) {
         CCDT_CHECK(!origin.empty());
         for (const char c : origin) CCDT_CHECK(c > ' ' && c < 0x7f && c != ',');
     }
@@ -45,7 +46,8 @@ void check_config(const server::Config& config) {
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// Parses arguments and variables. The input has a line for each argument, an empty line, and lines NAME=value.
+/// Parses arguments, variables and a file of settings. The input has a line for each argument, an empty line, lines
+/// NAME=value, an empty line, and the file.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt;
     auto text = fuzz::text_of(data, size);
@@ -55,12 +57,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (const auto& line : lines) arguments.push_back(line.c_str());
     std::vector<const char*> environment;
     for (const auto& variable : variables) environment.push_back(variable.c_str());
-    const auto parsed = server::parse_command_line(arguments, environment);
+    const auto parsed =
+        server::parse_command_line(arguments, environment, [text](const std::string&) { return std::string(text); });
     if (!parsed) {
         fuzz::check_error(parsed.error());
     } else if (parsed->action != server::CommandLine::Action::Help &&
-               parsed->action != server::CommandLine::Action::Version) {
+               parsed->action != server::CommandLine::Action::Version &&
+               parsed->action != server::CommandLine::Action::Manual) {
         fuzz::check_config(parsed->config);
+        server::config_file(parsed->values);
     }
     return 0;
 }

@@ -257,7 +257,7 @@ class Installed(unittest.TestCase):
         self.machine.file(KEYS).write_text("tester:0123456789abcdef\n")
         self.machine.run("systemctl", "restart", "ccdt-server")
         self.machine.run("systemctl", "reload", "ccdt-server")
-        wait_until(lambda: "the keys were reloaded" in self.machine.journal(), "the reload")
+        wait_until(lambda: "keys were reloaded" in self.machine.journal(), "the reload")
         self.key = ("--header", "Authorization: Bearer 0123456789abcdef")
 
     def check_use(self):

@@ -42,6 +42,17 @@ TEST(RateLimiter, IsOffWithoutARate) {
     EXPECT_EQ(limiter.size(), 0u);
 }
 
+TEST(RateLimiter, ChangesItsRate) {
+    RateLimiter limiter({.per_second = 1, .burst = 5});
+    limiter.take("a", kStart);
+    limiter.set_rate({.per_second = 0.1, .burst = 2});
+    EXPECT_EQ(limiter.take("a", kStart), seconds(0));
+    EXPECT_EQ(limiter.take("a", kStart), seconds(0));
+    EXPECT_EQ(limiter.take("a", kStart), seconds(10));
+    limiter.set_rate({});
+    EXPECT_EQ(limiter.take("a", kStart), seconds(0));
+}
+
 TEST(RateLimiter, EvictsTheLeastRecentClient) {
     RateLimiter limiter({.per_second = 0.001, .burst = 1}, 3);
     for (const char* client : {"a", "b", "c", "a", "d"}) limiter.take(client, kStart);

@@ -12,12 +12,14 @@ namespace {
 
 using Variables = std::map<std::string, std::string>;
 
-Result<CommandLine> parse(const std::vector<const char*>& arguments, const Variables& variables = {}) {
+/// @param file  content of every file of settings
+Result<CommandLine> parse(const std::vector<const char*>& arguments, const Variables& variables = {},
+                          const std::string& file = {}) {
     std::vector<std::string> texts;
     for (const auto& [name, value] : variables) texts.push_back(name + '=' + value);
     std::vector<const char*> environment;
     for (const auto& text : texts) environment.push_back(text.c_str());
-    return parse_command_line(arguments, environment);
+    return parse_command_line(arguments, environment, [&](const std::string&) { return file; });
 }
 
 TEST(Config, HasTheDocumentedDefaults) {
@@ -49,10 +51,10 @@ TEST(Config, HasTheDocumentedDefaults) {
     EXPECT_EQ(config.jobs.bytes, std::min(std::size_t{256} << 20, (config.memory - (std::size_t{192} << 20)) / 16));
     EXPECT_EQ(config.jobs.ttl, std::chrono::hours(1));
     EXPECT_EQ(config.jobs.timeout, std::chrono::minutes(10));
-    EXPECT_EQ(config.cors_origins, std::vector<std::string>{"loopback"});
+    EXPECT_EQ(config.live.cors_origins, std::vector<std::string>{"loopback"});
     EXPECT_EQ(config.api_key_file, "");
-    EXPECT_EQ(config.rate.per_second, 0);
-    EXPECT_EQ(config.rate.burst, 20u);
+    EXPECT_EQ(config.live.rate.per_second, 0);
+    EXPECT_EQ(config.live.rate.burst, 20u);
     EXPECT_EQ(config.log_format, LogFormat::Text);
 }
 
@@ -71,12 +73,12 @@ TEST(Config, ReadsFlagsInBothSpellings) {
     EXPECT_EQ(config.limits.max_sites, 77u);
     EXPECT_EQ(config.limits.max_faces, 88u);
     EXPECT_EQ(config.timeout, std::chrono::milliseconds(1500));
-    EXPECT_EQ(config.cors_origins, std::vector<std::string>{"*"});
+    EXPECT_EQ(config.live.cors_origins, std::vector<std::string>{"*"});
     EXPECT_EQ(config.log_format, LogFormat::Json);
 }
 
 TEST(Config, AllowsLoopbackOriginsIfBoundToLoopback) {
-    const auto origins = [](const std::vector<const char*>& flags) { return parse(flags)->config.cors_origins; };
+    const auto origins = [](const std::vector<const char*>& flags) { return parse(flags)->config.live.cors_origins; };
     for (const char* bind : {"127.0.0.1", "::1", "localhost"})
         EXPECT_EQ(origins({"--bind", bind}), std::vector<std::string>{"loopback"}) << bind;
     for (const char* bind : {"0.0.0.0", "::", "10.0.0.1", "unix:/run/socket"})
@@ -87,7 +89,7 @@ TEST(Config, AllowsLoopbackOriginsIfBoundToLoopback) {
 
 TEST(Config, AllowsOnlyLoopbackHostsIfBoundToLoopback) {
     using Hosts = std::vector<std::string>;
-    const auto hosts = [](const std::vector<const char*>& flags) { return parse(flags)->config.allowed_hosts; };
+    const auto hosts = [](const std::vector<const char*>& flags) { return parse(flags)->config.live.allowed_hosts; };
     for (const char* bind : {"127.0.0.1", "::1", "localhost"})
         EXPECT_EQ(hosts({"--bind", bind}), Hosts{"loopback"}) << bind;
     for (const char* bind : {"0.0.0.0", "::", "10.0.0.1", "unix:/run/socket"})
@@ -97,7 +99,7 @@ TEST(Config, AllowsOnlyLoopbackHostsIfBoundToLoopback) {
                   (Hosts{"dots.example", "10.0.0.1", "fd00::1", "loopback"}));
         EXPECT_EQ(hosts({"--bind", bind, "--allowed-host=*"}), (Hosts{"*", "loopback"}));
     }
-    EXPECT_EQ(parse({}, {{"CCDT_ALLOWED_HOST", "a"}})->config.allowed_hosts, (Hosts{"a", "loopback"}));
+    EXPECT_EQ(parse({}, {{"CCDT_ALLOWED_HOST", "a"}})->config.live.allowed_hosts, (Hosts{"a", "loopback"}));
 }
 
 TEST(Config, ReadsTheEnvironment) {
@@ -121,7 +123,7 @@ TEST(Config, ReadsTheEnvironment) {
     EXPECT_EQ(config.limits.max_pixels, 9u);
     EXPECT_EQ(config.limits.max_sites, 8u);
     EXPECT_EQ(config.timeout, std::chrono::seconds(2));
-    EXPECT_EQ(config.cors_origins, std::vector<std::string>{"https://example.org"});
+    EXPECT_EQ(config.live.cors_origins, std::vector<std::string>{"https://example.org"});
     EXPECT_EQ(config.log_format, LogFormat::Json);
 }
 
@@ -141,10 +143,10 @@ TEST(Config, ReadsTheLimitsOnClients) {
     EXPECT_EQ(config.capacity.per_address, 0u);
     EXPECT_EQ(config.capacity.bytes, std::size_t{4} << 30);
     EXPECT_EQ(config.memory, std::size_t{100} << 30);
-    EXPECT_EQ(config.cors_origins, (std::vector<std::string>{"https://a.example", "http://b:81"}));
+    EXPECT_EQ(config.live.cors_origins, (std::vector<std::string>{"https://a.example", "http://b:81"}));
     EXPECT_EQ(config.api_key_file, "keys");
-    EXPECT_EQ(config.rate.per_second, 0.5);
-    EXPECT_EQ(config.rate.burst, 3u);
+    EXPECT_EQ(config.live.rate.per_second, 0.5);
+    EXPECT_EQ(config.live.rate.burst, 3u);
 }
 
 /// Returns `value|origin` of a flag, as shown by --check.
@@ -264,6 +266,77 @@ TEST(Config, DerivesTheCacheSizeFromTheMemory) {
     EXPECT_FALSE(parse({"--cache-shared=yes"}));
 }
 
+TEST(Config, ReadsAFileOfSettings) {
+    const char* const file = R"(# a comment
+max-body = 2MiB
+
+  CCDT_QUEUE=5	
+port = 81
+workers = 3
+pictures =
+signing-key = a = b # c
+)";
+    const auto parsed = parse({"--config=a", "--workers=4"}, {{"PORT", "82"}}, file);
+    ASSERT_TRUE(parsed) << parsed.error().message;
+    EXPECT_EQ(shown(parsed, "--max-body"), "2MiB|a:2");
+    EXPECT_EQ(shown(parsed, "--queue"), "5|a:4");
+    EXPECT_EQ(shown(parsed, "--port"), "82|PORT");
+    EXPECT_EQ(shown(parsed, "--workers"), "4|--workers");
+    EXPECT_EQ(shown(parsed, "--pictures"), "none|");
+    EXPECT_EQ(parsed->config.signing.key, "a = b # c");
+    EXPECT_EQ(parsed->config.max_body, std::size_t{2} << 20);
+    EXPECT_EQ(parse({}, {{"CCDT_CONFIG", "a"}}, "rate-burst = 7")->config.live.rate.burst, 7u);
+}
+
+TEST(Config, NamesTheInvalidLineOfAFile) {
+    const std::pair<const char*, const char*> wrongs[] = {
+        {"\nwokers = 3", "a:2: 'wokers' is not an option; did you mean workers?"},
+        {"CCDT_WORKER = 3", "a:1: 'CCDT_WORKER' is not an option; --help lists the options"},
+        {"workers", "a:1: the line is not of the form name = value"},
+        {"--workers = 3", "a:1: '--workers' is not an option"},
+        {"workers = many", "a:1: workers: 'many' is not a whole number"},
+        {"port = 1\nPORT = 2", "a:2: PORT is given in line 1"},
+        {"redis = redis://:secret@a:99999", "a:1: redis: "},
+    };
+    for (const auto& [file, message] : wrongs) {
+        const auto parsed = parse({"--config=a"}, {}, file);
+        ASSERT_FALSE(parsed) << file;
+        EXPECT_TRUE(parsed.error().message.starts_with(message)) << parsed.error().message;
+        EXPECT_EQ(parsed.error().message.find("secret"), std::string::npos);
+    }
+    const auto missing = parse_command_line(std::vector{"--config=/none"}, {});
+    ASSERT_FALSE(missing);
+    EXPECT_EQ(missing.error().message, "/none: cannot be read");
+}
+
+TEST(Config, PrintsAFileThatSetsTheSameValues) {
+    const auto parsed = parse({"--max-body=3000000", "--allowed-host=a,b", "--redis=redis://:secret@a", "--config=a"},
+                              {{"CCDT_SIGNING_KEY", "secret"}, {"CCDT_CACHE", "1MiB"}}, "cors-origin = *\n");
+    ASSERT_TRUE(parsed) << parsed.error().message;
+    const std::string file = config_file(parsed->values);
+    EXPECT_EQ(file.find("secret"), std::string::npos) << file;
+    const auto again = parse({"--config=b"}, {}, file);
+    ASSERT_TRUE(again) << again.error().message;
+    for (const ChosenValue& value : parsed->values) {
+        const auto line = file.find('\n' + std::string(value.flag.substr(2)) + " = ");
+        const bool is_set = line != std::string::npos;
+        const bool is_given = !value.origin.empty() && value.value.find("***") == std::string::npos;
+        EXPECT_EQ(is_set, is_given && value.flag != "--config") << value.flag;
+        EXPECT_EQ(shown(again, value.flag).starts_with(value.value + "|b:"), is_set) << value.flag;
+    }
+    // Without the hash signs, the defaults are valid values, or words in the place of none.
+    EXPECT_NE(file.find("\n#timeout = 60\n"), std::string::npos) << file;
+}
+
+TEST(Config, ListsChangesThatNeedARestart) {
+    const auto changes = [](const std::string& before, const std::string& after) {
+        return changes_for_restart(parse({"--config=a"}, {}, before)->values, parse({"--config=a"}, {}, after)->values);
+    };
+    EXPECT_EQ(changes("port = 81\nrate-limit = 1", "port = 81\nrate-burst = 3\ncors-origin = *\nallowed-host = a"), "");
+    EXPECT_EQ(changes("port = 81\nworkers = 1", "timeout = 5\nworkers = 1"), "--port, --timeout");
+    EXPECT_EQ(changes("redis = redis://:a@host", "redis = redis://:b@host"), "--redis");
+}
+
 TEST(Config, WarnsOfUnknownVariables) {
     const auto parsed = parse({}, {{"CCDT_WORKER", "3"}, {"CCDT_HOME", "/"}, {"CCDT_EMPTY", ""}, {"PROT", "81"}});
     ASSERT_TRUE(parsed) << parsed.error().message;
@@ -307,7 +380,10 @@ TEST(Config, ShowsHelpDespiteOtherErrors) {
 
 TEST(Config, ListsEveryFlagAndVariableInTheHelp) {
     const std::string text = usage();
-    for (const char* word : {"--port",
+    for (const char* word : {"--config",
+                             "CCDT_CONFIG",
+                             "--print-config",
+                             "--port",
                              "PORT",
                              "--bind",
                              "BIND",
@@ -419,6 +495,7 @@ TEST(Config, NamesTheInvalidFlagOrVariable) {
         {{"--max-connections=0"}, {}, "--max-connections"},
         {{"--max-streams=x"}, {}, "--max-streams"},
         {{"--api-key-file="}, {}, "--api-key-file"},
+        {{"--config="}, {}, "--config"},
         {{"--data-dir="}, {}, "--data-dir"},
         {{"--pictures="}, {}, "--pictures"},
         {{"--docs="}, {}, "--docs"},

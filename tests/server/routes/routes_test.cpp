@@ -281,7 +281,7 @@ TEST_F(RoutesTest, SendsNoCorsHeadersUnlessConfigured) {
 
 TEST_F(RoutesTest, AllowsTheConfiguredOrigin) {
     Config config;
-    config.cors_origins = {"https://example.org"};
+    config.live.cors_origins = {"https://example.org"};
     Routes routes = make(config);
     Connection connection(-1);
     const auto request = parse_head(
@@ -294,7 +294,7 @@ TEST_F(RoutesTest, AllowsTheConfiguredOrigin) {
 }
 
 TEST_F(RoutesTest, RefusesHostsThatAreNotAllowed) {
-    config_.allowed_hosts = {"dots.example", "loopback"};
+    config_.live.allowed_hosts = {"dots.example", "loopback"};
     Routes routes = make(config_);
     Connection connection(socket());
     const auto status = [&](const std::string& head) {
