@@ -151,7 +151,8 @@ std::string_view name_of(OfferedPictures pictures) {
 
 }  // namespace
 
-std::string capabilities_json(const Limits& limits, OfferedPictures pictures, bool documentation) {
+std::string capabilities_json(const Limits& limits, OfferedPictures pictures, bool documentation,
+                              const OfferedPresets& presets) {
     const Json document = {
         {"limits",
          {{"max_sites", limits.max_sites}, {"max_pixels", limits.max_pixels}, {"max_faces", limits.max_faces}}},
@@ -177,7 +178,8 @@ std::string capabilities_json(const Limits& limits, OfferedPictures pictures, bo
           {"options", sample_options()},
           {"methods", describe_methods(limits)}}},
         {"analyze", {{"formats", describe_all(analyze_formats())}, {"options", analyze_options()}}},
-        {"documentation", documentation}};
+        {"documentation", documentation},
+        {"presets", {{"names", presets.names}, {"required", presets.required}}}};
     return document.dump() + '\n';
 }
 

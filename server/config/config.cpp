@@ -160,9 +160,9 @@ std::string set_rate(Draft& draft, std::string_view text) {
     return {};
 }
 
-std::string set_cache_shared(Draft& draft, std::string_view text) {
+std::string set_boolean(bool& target, std::string_view text) {
     if (text != "true" && text != "false") return "true or false";
-    draft.config.cache_shared = text == "true";
+    target = text == "true";
     return {};
 }
 
@@ -267,7 +267,7 @@ constexpr auto kSettings = std::to_array<Setting>({
     {"--cache", "CCDT_CACHE", "BYTES", "answers to keep, 0 for none (64MiB, at most a sixteenth of --memory)",
      [](Draft& draft, std::string_view text) { return set_bytes(draft.cache.emplace(), text, 0); }},
     {"--cache-shared", "CCDT_CACHE_SHARED", "BOOL", "true: API keys share answers, which timing reveals (false)",
-     set_cache_shared},
+     [](Draft& draft, std::string_view text) { return set_boolean(draft.config.cache_shared, text); }},
     {"--cache-redis", "CCDT_CACHE_REDIS", "URL", "Redis in which servers share answers (none)",
      [](Draft& draft, std::string_view text) { return set_redis(draft.config.cache_redis, text); }, true},
     {"--cors-origin", "CCDT_CORS_ORIGIN", "ORIGINS",
@@ -281,6 +281,15 @@ constexpr auto kSettings = std::to_array<Setting>({
          draft.config.api_key_file = text;
          return std::string(text.empty() ? "a file's name" : "");
      }},
+    {"--presets", "CCDT_PRESETS", "FILE",
+     "JSON of named options, for preset=NAME in requests; SIGHUP reloads it (none)",
+     [](Draft& draft, std::string_view text) {
+         draft.config.presets_file = text;
+         return std::string(text.empty() ? "a file's name" : "");
+     },
+     false, false, true},
+    {"--presets-only", "CCDT_PRESETS_ONLY", "BOOL", "true: requests must name a preset, without other options (false)",
+     [](Draft& draft, std::string_view text) { return set_boolean(draft.config.presets_only, text); }},
     {"--pictures", "CCDT_PICTURES", "FOLDER", "folder of the pictures of GET /halftone/NAME (none)",
      [](Draft& draft, std::string_view text) {
          draft.config.pictures = text;
@@ -466,6 +475,15 @@ Result<void> read_settings(std::string_view text, const std::string& file, Draft
     return {};
 }
 
+Result<Presets> read_presets(const std::string& file, const ReadFile& read_file) {
+    return read_file(file).and_then([&](const std::string& text) {
+        return Presets::parse(text).map_error([&](Error error) {
+            error.message.insert(0, file + ": ");
+            return error;
+        });
+    });
+}
+
 /// Returns the default value of a setting: the text in parentheses at the end of its help text.
 std::string default_of(const Setting& setting) {
     const auto open = setting.help.rfind('(');
@@ -525,6 +543,13 @@ Result<CommandLine> parse_command_line(std::span<const char* const> arguments, s
         if (!text) return tl::unexpected(text.error());
         if (auto read = read_settings(*text, file, draft); !read) return tl::unexpected(read.error());
     }
+    if (const std::string& file = draft.config.presets_file; !file.empty()) {
+        auto presets = read_presets(file, read_file);
+        if (!presets) return tl::unexpected(presets.error());
+        draft.config.live.presets = *std::move(presets);
+    } else if (draft.config.presets_only) {
+        return failure(ErrorCode::Malformed, "--presets-only needs --presets");
+    }
     draft.config.live.cors_origins = draft.cors_origins.value_or(default_cors_origins(draft.config.bind));
     draft.config.live.allowed_hosts = all_allowed_hosts(draft);
     if (draft.config.redis && !draft.config.data_dir.empty())
@@ -567,7 +592,7 @@ std::string manual() {
     page.add_paragraph(
         "Answers requests for halftones, evenly spread points and their analysis until SIGTERM or SIGINT arrives. It "
         "then accepts no new connections, and answers the requests that have arrived. SIGHUP reloads the "
-        "file of --config and the key files; the log names changed settings that need a restart.");
+        "file of --config, the presets and the key files; the log names changed settings that need a restart.");
     page.begin_section("OPTIONS");
     page.add_paragraph(kVariables);
     for (const Setting& setting : kSettings) {

@@ -21,6 +21,7 @@
 #include "server/http/proxies.h"
 #include "server/jobs/job_limits.h"
 #include "server/redis/redis_address.h"
+#include "server/requests/presets.h"
 
 namespace ccdt::server {
 
@@ -31,6 +32,7 @@ struct LiveConfig {
     std::vector<std::string> cors_origins;  ///< origins whose pages may use the server: cors_headers
     std::vector<std::string> allowed_hosts{std::string(kAny)};  ///< hosts allowed in `Host`: see allows_host
     RateLimiter::Rate rate;                                     ///< limit of requests for each key or address
+    Presets presets;                                            ///< named options of requests
 };
 
 struct Config {
@@ -57,6 +59,8 @@ struct Config {
     std::optional<RedisAddress> redis;        ///< Redis in which servers share jobs
     LiveConfig live;
     std::string api_key_file;            ///< file of API keys; empty: no key is needed
+    std::string presets_file;            ///< file of LiveConfig::presets; empty: none
+    bool presets_only = false;           ///< requests must name a preset and give no options
     std::string pictures;                ///< folder of pictures requested by name; empty: none
     std::string docs;                    ///< folder served under /docs/; empty: none
     AccessControl::SigningKeys signing;  ///< empty: pictures by name need no signature

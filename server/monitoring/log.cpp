@@ -33,6 +33,7 @@ bool is_plain_option(const api::TextOption& option) {
     static const auto known = [] {  // other paths have no options
         auto names = api::halftone_options();
         std::ranges::copy(api::device_options(), std::back_inserter(names));
+        names.emplace_back("preset");
         return names;
     }();
     const auto is_plain = [](char c) {

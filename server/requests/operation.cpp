@@ -95,6 +95,10 @@ bool holds_shapefile(const Operation& operation, const ComputeRequest& request) 
     return is_zip(type) || (may_hold_json(type) && request.body.starts_with(api::kZipSignature));
 }
 
+bool may_hold_options(const Operation& operation, const ComputeRequest& request) {
+    return operation.takes_pictures && holds_json(request);
+}
+
 bool is_quickly_parsed(const Operation& operation, const ComputeRequest& request) {
     return !reads_json(operation, request) || request.body.size() + request.query.size() <= kQuickToParse;
 }

@@ -50,6 +50,10 @@ Result<void> check(const Operation& operation, const ComputeRequest& request);
 /// Whether the body is a zipped shapefile. Only the decoder process may read such a body.
 bool holds_shapefile(const Operation& operation, const ComputeRequest& request);
 
+/// Whether the body is JSON that may contain options in addition to those of the query. Other operations refuse JSON
+/// with options if there is a query.
+bool may_hold_options(const Operation& operation, const ComputeRequest& request);
+
 /// Whether the thread of a connection may parse the request without a noticeable delay: JSON or a mesh, of up to 8 KiB
 /// together with the query, or a picture.
 bool is_quickly_parsed(const Operation& operation, const ComputeRequest& request);

@@ -236,7 +236,8 @@ ComputeRoutes::ComputeRoutes(const Config& config, WorkerPool& pool, MemoryBudge
       jobs_(jobs),
       cache_(config.cache, answers) {}
 
-HttpResult<Response> ComputeRoutes::answer(const Operation& operation, const Incoming& incoming) {
+HttpResult<Response> ComputeRoutes::answer(const Operation& operation, const Presets& presets,
+                                           const Incoming& incoming) {
     const Request& request = incoming.request;
     ComputeRequest to_compute{request.path,
                               request.query,
@@ -250,26 +251,34 @@ HttpResult<Response> ComputeRoutes::answer(const Operation& operation, const Inc
     to_compute.body = *std::move(body);
     auto lease = reserve_memory(to_compute.body.size());
     if (!lease) return tl::unexpected(lease.error());
-    const auto accepted = prepare(operation, std::move(to_compute), *std::move(lease));
+    auto fields = find_fields(to_compute);
+    if (!fields) return problem(std::move(fields.error()));
+    if (auto expanded = presets.expand(to_compute, *fields, config_.presets_only); !expanded)
+        return problem(std::move(expanded.error()));
+    const auto accepted = prepare(operation, std::move(to_compute), *fields, *std::move(lease));
     if (!accepted) return tl::unexpected(accepted.error());
     if (!deferred) return respond(*accepted, incoming);
     if (const auto tag = known_tag(incoming, (*accepted)->name)) return not_modified(*tag);
     return defer(*accepted, incoming);
 }
 
-HttpResult<Response> ComputeRoutes::answer(const Operation& operation, OpenFile picture, std::string options,
-                                           const Incoming& incoming) {
+HttpResult<Response> ComputeRoutes::answer(const Operation& operation, const Presets& presets, OpenFile picture,
+                                           std::string options, const Incoming& incoming) {
     if (auto checked = check_drain(incoming); !checked) return tl::unexpected(checked.error());
     auto lease = reserve_memory(picture.size());
     if (!lease) return tl::unexpected(lease.error());
+    ComputeRequest request{std::string(operation.path), std::move(options), kPicture, {}, {}};
+    std::vector<FormPart> no_fields;
+    if (auto expanded = presets.expand(request, no_fields, config_.presets_only); !expanded)
+        return problem(std::move(expanded.error()));
     auto bytes = picture.read();
     if (!bytes) return tl::unexpected(bytes.error());
+    request.body = *std::move(bytes);
     // If the query names the format, ignores Accept, so that all browsers share the cached answer.
-    const bool has_format = std::ranges::any_of(parse_query(options),
+    const bool has_format = std::ranges::any_of(parse_query(request.query),
                                                 [](const api::TextOption& option) { return option.name == "format"; });
-    ComputeRequest request{std::string(operation.path), std::move(options), kPicture,
-                           has_format ? "" : std::string(incoming.request.header("Accept")), *std::move(bytes)};
-    const auto accepted = prepare(operation, std::move(request), *std::move(lease));
+    if (!has_format) request.accept = incoming.request.header("Accept");
+    const auto accepted = prepare(operation, std::move(request), no_fields, *std::move(lease));
     if (!accepted) return tl::unexpected(accepted.error());
     return respond(*accepted, incoming);
 }
@@ -386,12 +395,12 @@ HttpResult<MemoryBudget::Lease> ComputeRoutes::reserve_memory(std::size_t size) 
 
 /// Computes the name of the answer, and converts a form to a plain body.
 HttpResult<ComputeRoutes::AcceptedPointer> ComputeRoutes::prepare(const Operation& operation, ComputeRequest request,
+                                                                  const std::vector<FormPart>& fields,
                                                                   MemoryBudget::Lease lease) {
-    auto fields = find_fields(request);
-    if (!fields) return problem(std::move(fields.error()));
-    std::string name = name_of_answer(request, *fields, config_.limits);
-    if (auto apart = take_apart(request, *fields, operation.form_part); !apart)
-        return problem(std::move(apart.error()));
+    std::string name = name_of_answer(request, fields, config_.limits);
+    if (auto apart = take_apart(request, fields, operation.form_part); !apart) return problem(std::move(apart.error()));
+    if (config_.presets_only && (fields.size() > 1 || may_hold_options(operation, request)))
+        return problem(400, "this server accepts no options besides a preset in the query (presets-only)");
     return std::make_shared<const AcceptedRequest>(
         AcceptedRequest{operation, std::move(request), std::move(name), std::move(lease)});
 }

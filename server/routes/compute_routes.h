@@ -35,12 +35,12 @@ public:
     ComputeRoutes(const Config& config, WorkerPool& pool, MemoryBudget& waiting_memory, Compute compute,
                   ReadShapefile read_shapefile, JobService& jobs, RedisClient* answers);
 
-    HttpResult<Response> answer(const Operation& operation, const Incoming& incoming);
+    HttpResult<Response> answer(const Operation& operation, const Presets& presets, const Incoming& incoming);
 
     /// Answers a request for a picture of the server. The answer is the same as for a request with this picture as the
     /// body and `options` as the query.
-    HttpResult<Response> answer(const Operation& operation, OpenFile picture, std::string options,
-                                const Incoming& incoming);
+    HttpResult<Response> answer(const Operation& operation, const Presets& presets, OpenFile picture,
+                                std::string options, const Incoming& incoming);
 
     const ResultCache& cache() const { return cache_; }
 
@@ -88,7 +88,8 @@ private:
     HttpResult<void> check_drain(const Incoming& incoming) const;
     HttpResult<std::string> read_body(const Incoming& incoming, bool deferred) const;
     HttpResult<MemoryBudget::Lease> reserve_memory(std::size_t size);
-    HttpResult<AcceptedPointer> prepare(const Operation& operation, ComputeRequest request, MemoryBudget::Lease lease);
+    HttpResult<AcceptedPointer> prepare(const Operation& operation, ComputeRequest request,
+                                        const std::vector<FormPart>& fields, MemoryBudget::Lease lease);
     HttpResult<Response> respond(const AcceptedPointer& accepted, const Incoming& incoming);
     HttpResult<Response> defer(const AcceptedPointer& accepted, const Incoming& incoming);
     HttpResult<AcceptedPointer> convert_shapefile(const AcceptedPointer& accepted, const Incoming& incoming,

@@ -303,7 +303,7 @@ HttpResult<Response> Routes::dispatch(const Route* route, const Incoming& incomi
 }
 
 HttpResult<Response> Routes::compute(const Incoming& incoming) {
-    return computing_.answer(*incoming.target.operation, incoming);
+    return computing_.answer(*incoming.target.operation, live()->presets, incoming);
 }
 
 HttpResult<Response> Routes::picture(const Incoming& incoming) {
@@ -312,7 +312,8 @@ HttpResult<Response> Routes::picture(const Incoming& incoming) {
     if (!url) return tl::unexpected(url.error());
     auto file = pictures_->open(incoming.target.name, config_.max_body);
     if (!file) return tl::unexpected(file.error());
-    auto response = computing_.answer(*incoming.target.operation, *std::move(file), url->options, incoming);
+    auto response =
+        computing_.answer(*incoming.target.operation, live()->presets, *std::move(file), url->options, incoming);
     if (response) response->headers.push_back(cache_control(*response, *url, !incoming.connection.key().empty()));
     return response;
 }
@@ -337,7 +338,8 @@ HttpResult<Response> Routes::document(const Incoming& incoming) {
 }
 
 HttpResult<Response> Routes::capabilities(const Incoming& /*incoming*/) {
-    return json_response(api::capabilities_json(config_.limits, offered_pictures(config_), documents_.has_value()));
+    return json_response(api::capabilities_json(config_.limits, offered_pictures(config_), documents_.has_value(),
+                                                {live()->presets.names(), config_.presets_only}));
 }
 
 HttpResult<Response> Routes::live(const Incoming& /*incoming*/) {

@@ -150,6 +150,14 @@ TEST(Capabilities, ReportWhetherServerOffersDocumentation) {
         EXPECT_EQ(Json::parse(capabilities_json({}, OfferedPictures::None, offered)).at("documentation"), offered);
 }
 
+TEST(Capabilities, ListPresets) {
+    const auto presets = [](const OfferedPresets& offered) {
+        return Json::parse(capabilities_json({}, OfferedPictures::None, false, offered)).at("presets");
+    };
+    EXPECT_EQ(presets({}), Json::parse(R"({"names": [], "required": false})"));
+    EXPECT_EQ(presets({{"a", "b"}, true}), Json::parse(R"({"names": ["a", "b"], "required": true})"));
+}
+
 TEST(Capabilities, ReportWhetherServerOffersPictures) {
     const auto offered = [](OfferedPictures pictures) {
         return Json::parse(capabilities_json({}, pictures)).at("halftone").at("pictures");

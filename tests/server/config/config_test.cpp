@@ -288,6 +288,14 @@ signing-key = a = b # c
     EXPECT_EQ(parse({}, {{"CCDT_CONFIG", "a"}}, "rate-burst = 7")->config.live.rate.burst, 7u);
 }
 
+TEST(Config, ReadsPresets) {
+    const auto parsed = parse({"--presets=a", "--presets-only=true"}, {}, R"({"x": {"sites": 1}})");
+    ASSERT_TRUE(parsed) << parsed.error().message;
+    EXPECT_EQ(parsed->config.live.presets.names(), std::vector<std::string>{"x"});
+    EXPECT_TRUE(parsed->config.presets_only);
+    EXPECT_FALSE(parse({})->config.presets_only);
+}
+
 TEST(Config, NamesTheInvalidLineOfAFile) {
     const std::pair<const char*, const char*> wrongs[] = {
         {"\nwokers = 3", "a:2: 'wokers' is not an option; did you mean workers?"},
@@ -383,6 +391,10 @@ TEST(Config, ListsEveryFlagAndVariableInTheHelp) {
     for (const char* word : {"--config",
                              "CCDT_CONFIG",
                              "--print-config",
+                             "--presets",
+                             "CCDT_PRESETS",
+                             "--presets-only",
+                             "CCDT_PRESETS_ONLY",
                              "--port",
                              "PORT",
                              "--bind",
@@ -496,6 +508,10 @@ TEST(Config, NamesTheInvalidFlagOrVariable) {
         {{"--max-streams=x"}, {}, "--max-streams"},
         {{"--api-key-file="}, {}, "--api-key-file"},
         {{"--config="}, {}, "--config"},
+        {{"--presets="}, {}, "--presets"},
+        {{"--presets=a"}, {}, "a: "},
+        {{"--presets-only=yes"}, {}, "--presets-only"},
+        {{"--presets-only=true"}, {}, "--presets-only needs --presets"},
         {{"--data-dir="}, {}, "--data-dir"},
         {{"--pictures="}, {}, "--pictures"},
         {{"--docs="}, {}, "--docs"},
