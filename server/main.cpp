@@ -117,6 +117,7 @@ int serve(const CommandLine& command, std::span<const char* const> arguments) {
         return kFailed;
     }
     log.info("listening on " + (*service)->address());
+    if (const auto address = (*service)->metrics_address(); !address.empty()) log.info("metrics are at " + address);
     const auto reload_files = [&] { reload(**service, command, arguments, log); };
     return serve_until_signal(**service, signals, config, reload_files, log) ? EXIT_SUCCESS : kFailed;
 }

@@ -88,10 +88,10 @@ std::string set_seconds(std::chrono::milliseconds& target, std::string_view text
     return {};
 }
 
-std::string set_port(Draft& draft, std::string_view text) {
+std::string set_port(int& target, std::string_view text) {
     std::size_t port = 0;
     auto expected = set_whole(port, text, 0, 65'535);
-    draft.config.port = static_cast<int>(port);
+    target = static_cast<int>(port);
     return expected;
 }
 
@@ -201,8 +201,12 @@ constexpr auto kSettings = std::to_array<Setting>({
          draft.config.file = text;
          return std::string(text.empty() ? "a file's name" : "");
      }},
-    {"--port", "PORT", "N", "port to listen on, 0 for any free port (8080)", set_port},
+    {"--port", "PORT", "N", "port to listen on, 0 for any free port (8080)",
+     [](Draft& draft, std::string_view text) { return set_port(draft.config.port, text); }},
     {"--bind", "BIND", "ADDRESS", "address to listen on, or unix:PATH (127.0.0.1)", set_bind},
+    {"--metrics-port", "CCDT_METRICS_PORT", "N",
+     "port of /metrics, which then needs no key, 0 for any free port (none)",
+     [](Draft& draft, std::string_view text) { return set_port(draft.config.metrics_port.emplace(), text); }},
     {"--workers", "CCDT_WORKERS", "N", "simultaneous computations (one per core, at most one per 96MiB of --memory)",
      [](Draft& draft, std::string_view text) { return set_whole(draft.workers.emplace(), text, 1, 1024); }},
     {"--threads-per-request", "CCDT_THREADS_PER_REQUEST", "N",
@@ -295,6 +299,14 @@ constexpr auto kSettings = std::to_array<Setting>({
          draft.config.pictures = text;
          return std::string(text.empty() ? "a folder's name" : "");
      }},
+    {"--pictures-max-age", "CCDT_PICTURES_MAX_AGE", "SECONDS", "time for which caches may keep these halftones (60)",
+     [](Draft& draft, std::string_view text) {
+         std::size_t seconds = 0;
+         auto expected = set_whole(seconds, text, 0, 31'536'000);
+         draft.config.live.pictures_max_age = std::chrono::seconds(seconds);
+         return expected;
+     },
+     false, false, true},
     {"--docs", "CCDT_DOCS", "FOLDER", "folder of the documentation that GET /docs/ serves (none)",
      [](Draft& draft, std::string_view text) {
          draft.config.docs = text;
@@ -525,6 +537,14 @@ std::string padded(std::string_view text, std::size_t width) {
 }
 
 }  // namespace
+
+bool is_path(std::string_view bind) {
+    return bind.starts_with("unix:");
+}
+
+std::string bind_of_metrics(const Config& config) {
+    return is_path(config.bind) ? "127.0.0.1" : config.bind;
+}
 
 Result<CommandLine> parse_command_line(std::span<const char* const> arguments, std::span<const char* const> environment,
                                        const ReadFile& read_file) {

@@ -32,6 +32,7 @@ struct LiveConfig {
     std::vector<std::string> cors_origins;  ///< origins whose pages may use the server: cors_headers
     std::vector<std::string> allowed_hosts{std::string(kAny)};  ///< hosts allowed in `Host`: see allows_host
     RateLimiter::Rate rate;                                     ///< limit of requests for each key or address
+    std::chrono::seconds pictures_max_age{60};                  ///< time for which caches keep pictures by name
     Presets presets;                                            ///< named options of requests
 };
 
@@ -39,6 +40,7 @@ struct Config {
     std::string file;  ///< file of settings; empty: none
     std::string bind = "127.0.0.1";
     int port = 8080;                               ///< 0: any free port
+    std::optional<int> metrics_port;               ///< port of /metrics; 0: any free port; none: that of the rest
     std::size_t workers = 1;                       ///< number of computations at the same time
     std::size_t threads_per_request = 1;           ///< threads that a computation may use while other workers are idle
     std::size_t queue = 16;                        ///< number of requests that may wait for a worker
@@ -66,6 +68,12 @@ struct Config {
     AccessControl::SigningKeys signing;  ///< empty: pictures by name need no signature
     LogFormat log_format = LogFormat::Text;
 };
+
+/// Whether a value of `bind` is the path of a Unix socket.
+bool is_path(std::string_view bind);
+
+/// Returns the address of the port of the metrics: that of the server, or loopback if the server has a path.
+std::string bind_of_metrics(const Config& config);
 
 /// The value of a flag, and the origin of the value.
 struct ChosenValue {

@@ -23,14 +23,14 @@ constexpr std::size_t kMinReserve = 8;
 constexpr std::size_t kMinStreams = 4;
 constexpr std::size_t kMinRefused = 4;
 
+std::size_t connections_of(const Capacity::Limits& limits) {
+    return limits.connections + limits.reserve + limits.streams + limits.refused;
+}
+
 std::size_t own_descriptors(const Config& config) {
     const std::size_t redis = config.redis.has_value() + config.cache_redis.has_value() + config.rate_redis.has_value();
     return kServerDescriptors + kDescriptorsPerComputation * max_computations(config.workers) +
-           kDescriptorsPerRedis * redis;
-}
-
-std::size_t connections_of(const Capacity::Limits& limits) {
-    return limits.connections + limits.reserve + limits.streams + limits.refused;
+           kDescriptorsPerRedis * redis + (config.metrics_port ? 1 + connections_of(kMetricsCapacity) : 0);
 }
 
 Capacity::Limits least(Capacity::Limits limits) {

@@ -17,6 +17,10 @@ struct DescriptorPlan {
     bool fits() const { return wanted <= allowed; }
 };
 
+/// Limits of connections to the port of /metrics.
+inline constexpr Capacity::Limits kMetricsCapacity{
+    .connections = 16, .reserve = 0, .streams = 0, .refused = 4, .per_address = 0, .bytes = std::size_t{16} << 20};
+
 /// Returns the number of descriptors needed if all connections allowed by the flags are open.
 std::size_t wanted_descriptors(const Config& config);
 

@@ -87,19 +87,16 @@ bool accepts_method(std::string_view method, std::string_view of_route) {
     return method == of_route || (method == "HEAD" && of_route == "GET");
 }
 
-/// Seconds for which caches may reuse an answer of GET /halftone/{name} without revalidation.
-constexpr std::int64_t kFreshSeconds = 60;
-
 /// Makes the Cache-Control header of GET /halftone/{name}. Freshness ends when the signed URL expires. A partial
 /// answer, which has no tag, must not be stored.
+/// @param max_age     time for which caches may reuse the answer without revalidation
 /// @param is_private  whether an API key was needed, so that only the client may store the answer
-Header cache_control(const Response& response, const SignedUrl& url, bool is_private) {
+Header cache_control(const Response& response, const SignedUrl& url, std::chrono::seconds max_age, bool is_private) {
     if (response.tag.empty()) return {"Cache-Control", "no-store"};
-    std::int64_t seconds = kFreshSeconds;
+    auto seconds = static_cast<std::uint64_t>(max_age.count());
     if (url.expires) {
         const auto now = static_cast<std::uint64_t>(std::time(nullptr));
-        seconds = static_cast<std::int64_t>(
-            std::min<std::uint64_t>(kFreshSeconds, *url.expires - std::min(now, *url.expires)));
+        seconds = std::min(seconds, *url.expires - std::min(now, *url.expires));
     }
     return {"Cache-Control", (is_private ? "private, max-age=" : "public, max-age=") + std::to_string(seconds)};
 }
@@ -190,12 +187,13 @@ std::shared_ptr<const LiveConfig> Routes::live() const {
     return live_;
 }
 
-Response Routes::answer(const Request& request, const HttpResult<void>& received, Connection& connection) {
-    const auto found = find(request);
+Response Routes::answer(const Request& request, const HttpResult<void>& received, Connection& connection, Port port) {
+    auto found = find(request);
+    if (found.route != nullptr && !is_offered(*found.route, port)) found = {};
     Record record;
     connection.name_client({}, {});  // removes the name that the previous request has set
-    const auto admitted = received.and_then([&] { return check_host(found, request); }).and_then([&] {
-        return admit(found, request, connection, record);
+    const auto admitted = received.and_then([&] { return check_host(found, request, port); }).and_then([&] {
+        return admit(found, request, port, connection, record);
     });
     record.request_id = request_id(request);
     record.key = connection.key();
@@ -236,8 +234,16 @@ Routes::Found Routes::find(const Request& request) {
     return found;
 }
 
+/// Whether a port offers a route.
+bool Routes::is_offered(const Route& route, Port port) const {
+    const bool is_metrics = route.handler == &Routes::metrics;
+    if (port == Port::Metrics) return is_metrics || route.access == Access::Anyone;
+    return !is_metrics || !config_.metrics_port;
+}
+
 /// Returns the credential that a request needs. Unknown paths below /health/ need none, so that the answer is 404.
-AccessControl::Credential Routes::required_credential(const Found& found, const Request& request) {
+AccessControl::Credential Routes::required_credential(const Found& found, const Request& request, Port port) {
+    if (port == Port::Metrics) return AccessControl::Credential::None;
     const auto key_unless = [](bool free) {
         return free ? AccessControl::Credential::None : AccessControl::Credential::Key;
     };
@@ -255,8 +261,9 @@ AccessControl::Credential Routes::required_credential(const Found& found, const 
     return AccessControl::Credential::None;
 }
 
-/// Refuses requests for hosts that are not allowed, except health checks.
-HttpResult<void> Routes::check_host(const Found& found, const Request& request) {
+/// Refuses requests for hosts that are not allowed, except health checks, and metrics for other machines.
+HttpResult<void> Routes::check_host(const Found& found, const Request& request, Port port) {
+    if (port == Port::Metrics && !is_loopback(config_.bind)) return {};
     const bool is_for_anyone = found.route != nullptr && found.route->access == Access::Anyone;
     if (is_for_anyone || allows_host(live()->allowed_hosts, request.authority)) return {};
     const std::string host = request.authority.substr(0, kMaxHostLength);
@@ -267,8 +274,10 @@ HttpResult<void> Routes::check_host(const Found& found, const Request& request) 
 }
 
 /// Checks the credentials and the rate of a request. Stores the client's name in the connection.
-HttpResult<void> Routes::admit(const Found& found, const Request& request, Connection& connection, Record& record) {
-    auto verdict = access_control_.check(request, connection.client().address, required_credential(found, request));
+HttpResult<void> Routes::admit(const Found& found, const Request& request, Port port, Connection& connection,
+                               Record& record) {
+    auto verdict =
+        access_control_.check(request, connection.client().address, required_credential(found, request, port));
     connection.name_client(std::move(verdict.client), std::move(verdict.key));
     record.signer = std::move(verdict.signer);
     return std::move(verdict.admission);
@@ -314,7 +323,9 @@ HttpResult<Response> Routes::picture(const Incoming& incoming) {
     if (!file) return tl::unexpected(file.error());
     auto response =
         computing_.answer(*incoming.target.operation, live()->presets, *std::move(file), url->options, incoming);
-    if (response) response->headers.push_back(cache_control(*response, *url, !incoming.connection.key().empty()));
+    if (response)
+        response->headers.push_back(
+            cache_control(*response, *url, live()->pictures_max_age, !incoming.connection.key().empty()));
     return response;
 }
 

@@ -48,8 +48,15 @@ public:
 
     Routes(const Config& config, Parts parts);
 
+    /// The port at which a request arrived.
+    enum class Port {
+        Common,   ///< all paths, except /metrics if it has a port of its own
+        Metrics,  ///< /metrics, without a key, and health checks
+    };
+
     /// Answers a request. If `received` is a problem, the answer reports the problem.
-    Response answer(const Request& request, const HttpResult<void>& received, Connection& connection);
+    Response answer(const Request& request, const HttpResult<void>& received, Connection& connection,
+                    Port port = Port::Common);
 
     /// Applies new values of settings to later requests.
     void reload(const LiveConfig& live);
@@ -94,10 +101,12 @@ private:
         Target target;
     };
     static Found find(const Request& request);
+    bool is_offered(const Route& route, Port port) const;
     static std::string allowed_methods(const Route& route);
-    static AccessControl::Credential required_credential(const Found& found, const Request& request);
+    static AccessControl::Credential required_credential(const Found& found, const Request& request, Port port);
 
-    HttpResult<void> admit(const Found& found, const Request& request, Connection& connection, Record& record);
+    HttpResult<void> admit(const Found& found, const Request& request, Port port, Connection& connection,
+                           Record& record);
     HttpResult<Response> dispatch(const Route* route, const Incoming& incoming);
     HttpResult<Response> compute(const Incoming& incoming);
     HttpResult<Response> picture(const Incoming& incoming);
@@ -118,7 +127,7 @@ private:
     std::string request_id(const Request& request);
     static Response describe(Problem problem, Record& record);
     static void negotiate_coding(const Request& request, Response& response);
-    HttpResult<void> check_host(const Found& found, const Request& request);
+    HttpResult<void> check_host(const Found& found, const Request& request, Port port);
     void warn_of_refused_origin(const Request& request);
     void add_common_headers(const Request& request, Response& response) const;
 

@@ -147,6 +147,13 @@ Found check_address(const Config& config) {
     return {State::Good, config.bind + (has_port ? " port " + std::to_string(listener->port()) : "")};
 }
 
+Found check_metrics(const Config& config) {
+    if (!config.metrics_port) return {State::Good, "on the same port"};
+    const auto listener = ListeningSocket::open(bind_of_metrics(config), *config.metrics_port);
+    if (!listener) return wrong(listener.error());
+    return {State::Good, bind_of_metrics(config) + " port " + std::to_string(listener->port())};
+}
+
 /// The name of a part of the server, and the function that checks the part.
 struct Check {
     std::string_view part;
@@ -157,6 +164,7 @@ constexpr Check kChecks[] = {
     {"decoder", check_decoder},   {"worker", check_worker},   {"keys", check_keys},     {"signing", check_signing},
     {"pictures", check_pictures}, {"docs", check_docs},       {"memory", check_memory}, {"files", check_files},
     {"jobs", check_jobs},         {"answers", check_answers}, {"rates", check_rates},   {"address", check_address},
+    {"metrics", check_metrics},
 };
 
 std::string_view name_of(State state) {

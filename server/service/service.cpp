@@ -2,6 +2,7 @@
 #include "server/service/service.h"
 
 #include <chrono>
+#include <thread>
 #include <utility>
 
 #include "server/config/descriptor_plan.h"
@@ -14,6 +15,11 @@
 
 namespace ccdt::server {
 namespace {
+
+std::string url_of(const std::string& host, int port) {
+    const bool has_colon = host.find(':') != std::string::npos;
+    return "http://" + (has_colon ? "[" + host + "]" : host) + ":" + std::to_string(port);
+}
 
 Result<std::unique_ptr<DecoderSupervisor>> start_decoder(const Log& log) {
     return DecoderSupervisor::start([](UniqueFd orders) { return spawn_sibling("ccdt-decoder", std::move(orders)); },
@@ -118,8 +124,14 @@ Result<Service::Parts> Service::start_parts(const Config& config, const Log& log
     if (!store) return tl::unexpected(std::move(store.error()));
     auto listener = ListeningSocket::open(config.bind, config.port);
     if (!listener) return tl::unexpected(std::move(listener.error()));
+    std::optional<ListeningSocket> metrics_listener;
+    if (config.metrics_port) {
+        auto opened = ListeningSocket::open(bind_of_metrics(config), *config.metrics_port);
+        if (!opened) return tl::unexpected(std::move(opened.error()));
+        metrics_listener.emplace(*std::move(opened));
+    }
     return Parts{std::move(redis),  *std::move(decoder),   *std::move(access_control), *memory,
-                 *std::move(store), *std::move(computing), *std::move(listener)};
+                 *std::move(store), *std::move(computing), *std::move(listener),       std::move(metrics_listener)};
 }
 
 Result<std::unique_ptr<Service>> Service::start(const Config& config, const Log& log) {
@@ -140,6 +152,7 @@ Service::Service(const Config& config, Parts parts, const Log& log)
       log_(log),
       parts_(std::move(parts)),
       port_(parts_.listener.port()),
+      metrics_port_(parts_.metrics_listener ? parts_.metrics_listener->port() : 0),
       waiting_memory_(parts_.memory.requests),
       pool_(config.workers, config.queue, parts_.memory.jobs),
       metrics_(CCDT_VERSION),
@@ -165,11 +178,16 @@ Service::Service(const Config& config, Parts parts, const Log& log)
           [this](const auto& request, const auto& received, auto& connection) {
               return routes_.answer(request, received, connection);
           },
-          [this](const Exchange& exchange) {
-              metrics_.add(exchange);
-              log_.exchange(exchange);
-          },
+          [this](const Exchange& exchange) { record(exchange); },
           [this](const std::string& what) { log_.warning(what); }) {
+    if (parts_.metrics_listener)
+        metrics_server_.emplace(
+            *std::move(parts_.metrics_listener), config.patience, kMetricsCapacity, TrustedProxies(),
+            [this](const auto& request, const auto& received, auto& connection) {
+                return routes_.answer(request, received, connection, Routes::Port::Metrics);
+            },
+            [this](const Exchange& exchange) { record(exchange); },
+            [this](const std::string& what) { log_.warning(what); });
     metrics_.watch([this] { return figures(); });
     const auto lend = [this](std::size_t running) {
         parts_.computing->lend(threads_for_each(config_.workers, running, config_.threads_per_request));
@@ -193,15 +211,30 @@ Result<void> Service::reload(const LiveConfig& live) {
 }
 
 std::string Service::address() const {
-    if (config_.bind.starts_with("unix:")) return config_.bind;
-    const bool has_colon = config_.bind.find(':') != std::string::npos;
-    return "http://" + (has_colon ? "[" + config_.bind + "]" : config_.bind) + ":" + std::to_string(port_);
+    return is_path(config_.bind) ? config_.bind : url_of(config_.bind, port_);
+}
+
+std::string Service::metrics_address() const {
+    return metrics_port_ == 0 ? "" : url_of(bind_of_metrics(config_), metrics_port_) + "/metrics";
+}
+
+bool Service::serve() {
+    std::jthread metrics;
+    if (metrics_server_) metrics = std::jthread([this] { metrics_server_->serve(); });
+    const bool served = server_.serve();
+    if (metrics_server_) metrics_server_->drain();
+    return served;
 }
 
 void Service::drain() {
     routes_.drain();
     server_.drain();
     jobs_.drain();
+}
+
+void Service::record(const Exchange& exchange) {
+    metrics_.add(exchange);
+    log_.exchange(exchange);
 }
 
 /// Returns the reason why the server cannot compute at present; empty if it can.

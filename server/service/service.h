@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <string_view>
@@ -51,12 +52,15 @@ public:
     /// Returns the listening address: a URL, or `unix:PATH`.
     std::string address() const;
 
+    /// The URL of the metrics; empty if they have no port of their own.
+    std::string metrics_address() const;
+
     /// Applies new values of settings, and reloads the key files. An error changes nothing.
     Result<void> reload(const LiveConfig& live);
 
     /// Serves until `drain` is called. Returns once all accepted requests are answered.
     /// @returns  false if accepting connections failed permanently
-    bool serve() { return server_.serve(); }
+    bool serve();
 
     /// Begins the shutdown: refuses new connections and new computations. May be called from any thread.
     void drain();
@@ -84,6 +88,7 @@ private:
         std::unique_ptr<JobStore> store;
         std::unique_ptr<ComputeSupervisor> computing;
         ListeningSocket listener;
+        std::optional<ListeningSocket> metrics_listener;  ///< none: the metrics have no port of their own
     };
 
     static Result<Parts> start_parts(const Config& config, const Log& log);
@@ -91,6 +96,7 @@ private:
 
     Result<std::string> read_shapefile(std::string_view archive, const api::ShapefileReading& reading,
                                        const std::stop_token& stop, api::Timings& timings);
+    void record(const Exchange& exchange);
     std::string obstacle() const;
     Metrics::Watched figures() const;
 
@@ -98,6 +104,7 @@ private:
     const Log& log_;
     Parts parts_;
     const int port_;
+    const int metrics_port_;  ///< 0: none
     MemoryBudget waiting_memory_;
     WorkerPool pool_;
     Metrics metrics_;
@@ -105,6 +112,7 @@ private:
     std::atomic<std::uint64_t> shapefile_deaths_ = 0;  ///< see DecoderClient::deaths()
     Routes routes_;
     HttpServer server_;
+    std::optional<HttpServer> metrics_server_;
 };
 
 }  // namespace ccdt::server

@@ -109,6 +109,11 @@ class Answers(PicturesCase):
         self.assertEqual(self.sites(), before)
         self.assertNotEqual(self.ask(CAT + "&seed=2").headers["etag"], tag)
 
+    def test_may_be_kept_for_a_configured_time(self):
+        for seconds in (0, 86400):
+            with Server(f"--pictures={self.folder}", f"--pictures-max-age={seconds}") as server:
+                self.assertEqual(ask(server, CAT).headers["cache-control"], f"public, max-age={seconds}")
+
     def test_are_cached(self):
         first = self.ask(CAT, "--header", "X-Request-ID: first")
         before = self.sites()

@@ -14,8 +14,9 @@ import unittest
 from engine import Redis
 from harness import PATIENCE, Server, ask, execute, join
 
-PARTS = ["decoder", "worker", "keys", "signing", "pictures", "docs", "memory", "files", "jobs", "answers", "rates", "address"]
-MAY_BE_WRONG = [part for part in PARTS if part not in ("files", "answers", "rates")]
+PARTS = ["decoder", "worker", "keys", "signing", "pictures", "docs", "memory", "files", "jobs", "answers", "rates", "address",
+         "metrics"]
+MAY_BE_WRONG = [part for part in PARTS if part not in ("files", "answers", "rates", "metrics")]
 
 
 class Check(unittest.TestCase):
@@ -94,6 +95,13 @@ class Check(unittest.TestCase):
             with self.subTest(part=part):
                 self.assertEqual(list(self.wrong(flag)), [part])
         self.assertEqual(self.wrong(), {})
+
+    def test_reports_the_port_of_metrics(self):
+        self.assertEqual(self.check("--port=0")[2]["metrics"], ("good", "on the same port"))
+        with socket.create_server(("127.0.0.1", 0)) as taken:
+            flag = f"--metrics-port={taken.getsockname()[1]}"
+            self.assertIn("in use", self.wrong(flag)["metrics"])
+        self.assertEqual(self.wrong(flag, f"--bind=unix:{self.folder / 'socket'}"), {})
 
     def test_reports_how_many_connections_fit(self):
         for most, state, words in ((60, "WRONG", "(ulimit -n) is 60: at least"), (200, "weak", "(ulimit -n) is 200"),

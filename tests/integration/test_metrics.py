@@ -3,7 +3,10 @@
 
 import json
 import os
+import pathlib
+import re
 import subprocess
+import tempfile
 import unittest
 
 from prometheus_client.parser import text_string_to_metric_families
@@ -93,6 +96,34 @@ class Pressure(unittest.TestCase):
             for call in calls:
                 call.answer()
             wait_until(lambda: ask(server, "/health/ready").status == 200)
+
+
+class OwnPort(unittest.TestCase):
+    def test_has_metrics_and_health_checks_only(self):
+        with tempfile.TemporaryDirectory() as folder:
+            keys = pathlib.Path(folder) / "keys"
+            keys.write_text("alice:alice-0123456789abcdef\n")
+            with Server("--metrics-port=0", f"--api-key-file={keys}") as server:
+                url = re.search(r"http://127.0.0.1:\d+", server.wait_for_log("metrics are at "))[0]
+
+                def status(path, *arguments):
+                    return Call(url + path, *arguments).answer().status
+
+                self.assertIn(b"ccdt_build_info", Call(url + "/metrics").answer().body)
+                self.assertEqual([status(path) for path in ("/health", "/health/ready", "/", "/jobs/x", "/sample")],
+                                 [200, 200, 404, 404, 404])
+                self.assertEqual(status("/sample", "--data", "{}"), 404)
+                self.assertEqual(status("/metrics", "--header", "Host: evil.example"), 421)
+                header = ("--header", "Authorization: Bearer alice-0123456789abcdef")
+                self.assertEqual([ask(server, path, *header).status for path in ("/metrics", "/jobs/x")], [404, 404])
+                self.assertEqual(ask(server, "/").status, 200)
+                self.assertEqual(server.stop(), 0)
+
+    def test_needs_no_allowed_host_on_other_addresses(self):
+        with Server("--metrics-port=0", "--bind=0.0.0.0", "--allowed-host=dots.example") as server:
+            port = re.search(r":(\d+)/metrics", server.wait_for_log("metrics are at "))[1]
+            answer = Call(f"http://127.0.0.1:{port}/metrics", "--header", "Host: scraped.example").answer()
+            self.assertEqual(answer.status, 200)
 
 
 if __name__ == "__main__":

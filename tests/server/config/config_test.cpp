@@ -288,6 +288,14 @@ signing-key = a = b # c
     EXPECT_EQ(parse({}, {{"CCDT_CONFIG", "a"}}, "rate-burst = 7")->config.live.rate.burst, 7u);
 }
 
+TEST(Config, ReadsThePortOfMetrics) {
+    EXPECT_FALSE(parse({})->config.metrics_port);
+    const auto parsed = parse({"--metrics-port=0", "--bind=unix:/run/socket"});
+    EXPECT_EQ(parsed->config.metrics_port, 0);
+    EXPECT_EQ(bind_of_metrics(parsed->config), "127.0.0.1");
+    EXPECT_EQ(bind_of_metrics(parse({"--bind=::"})->config), "::");
+}
+
 TEST(Config, ReadsPresets) {
     const auto parsed = parse({"--presets=a", "--presets-only=true"}, {}, R"({"x": {"sites": 1}})");
     ASSERT_TRUE(parsed) << parsed.error().message;
@@ -391,6 +399,10 @@ TEST(Config, ListsEveryFlagAndVariableInTheHelp) {
     for (const char* word : {"--config",
                              "CCDT_CONFIG",
                              "--print-config",
+                             "--metrics-port",
+                             "CCDT_METRICS_PORT",
+                             "--pictures-max-age",
+                             "CCDT_PICTURES_MAX_AGE",
                              "--presets",
                              "CCDT_PRESETS",
                              "--presets-only",
@@ -509,6 +521,8 @@ TEST(Config, NamesTheInvalidFlagOrVariable) {
         {{"--api-key-file="}, {}, "--api-key-file"},
         {{"--config="}, {}, "--config"},
         {{"--presets="}, {}, "--presets"},
+        {{"--metrics-port=65536"}, {}, "--metrics-port"},
+        {{"--pictures-max-age=-1"}, {}, "--pictures-max-age"},
         {{"--presets=a"}, {}, "a: "},
         {{"--presets-only=yes"}, {}, "--presets-only"},
         {{"--presets-only=true"}, {}, "--presets-only needs --presets"},
