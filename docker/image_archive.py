@@ -44,8 +44,8 @@ def without_names_of_the_build(text):
     return json.dumps(settings).encode()
 
 
-def rewrite(archive, output, tag):
-    """Copies an image and its tag to a new archive."""
+def rewrite(archive, output, tags):
+    """Copies an image to a new archive, with other tags."""
     with tarfile.open(archive) as built, tarfile.open(fileobj=output, mode="w|", format=tarfile.USTAR_FORMAT) as copy:
         def add(name, size, file):
             entry = tarfile.TarInfo(name)
@@ -56,7 +56,7 @@ def rewrite(archive, output, tag):
         [image] = json.load(built.extractfile("manifest.json"))
         settings = without_names_of_the_build(built.extractfile(image["Config"]).read())
         image["Config"] = f"{hashlib.sha256(settings).hexdigest()}.json"
-        image["RepoTags"] = [tag]
+        image["RepoTags"] = tags
         manifest = json.dumps([image]).encode()
         add("manifest.json", len(manifest), io.BytesIO(manifest))
         add(image["Config"], len(settings), io.BytesIO(settings))
@@ -69,7 +69,7 @@ def main():
     os.umask(0o022)
     with tempfile.TemporaryDirectory() as folder:
         archive = build(pathlib.Path(folder), pathlib.Path(stage), version, revision)
-        rewrite(archive, sys.stdout.buffer, f"ccdt-server:{version}")
+        rewrite(archive, sys.stdout.buffer, [f"ccdt-server:{version}", "ccdt-server:latest"])
 
 
 if __name__ == "__main__":

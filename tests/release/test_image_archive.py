@@ -75,7 +75,7 @@ class ImageArchive(ImageContents, unittest.TestCase):
                 f'exec env -i {shlex.join(cls.config["Env"])} {shlex.join(enter)} "$@"\' sh "$@"\n')
 
     def test_digests_are_those_of_the_contents(self):
-        self.assertEqual(self.manifest["RepoTags"], [f"ccdt-server:{VERSION}"])
+        self.assertEqual(self.manifest["RepoTags"], [f"ccdt-server:{VERSION}", "ccdt-server:latest"])
         self.assertEqual(self.manifest["Config"], f"{hashlib.sha256(self.settings).hexdigest()}.json")
         with self.layer.open("rb") as file:
             digest = hashlib.file_digest(file, "sha256").hexdigest()
