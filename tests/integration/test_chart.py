@@ -56,6 +56,7 @@ RELEASES = {
     },
     "on a disk": {"replicas": 1, "pause": 0, "store": {"kind": "disk", "disk": {"storageClass": "fast"}},
                   "networkPolicy": {"enabled": True}, "podDisruptionBudget": {"enabled": False}},
+    "with a port of metrics": {"monitoring": {"enabled": True, "port": 9090}, "networkPolicy": {"enabled": True}},
 }
 
 REFUSED = (
@@ -207,6 +208,17 @@ class Chart(unittest.TestCase):
         self.assertEqual(rule, yaml.safe_load((ROOT / "docker" / "prometheus" / "alerts.yaml").read_text()))
         endpoint = self.releases["whole"]["ServiceMonitor"]["spec"]["endpoints"][0]
         self.assertEqual(endpoint["relabelings"], [{"targetLabel": "job", "replacement": "ccdt"}])
+
+    def test_offers_metrics_on_a_port_of_their_own(self):
+        documents = self.releases["with a port of metrics"]
+        self.assertEqual(variables_of(documents)["CCDT_METRICS_PORT"], "9090")
+        [policy] = documents["NetworkPolicy"]["spec"]["ingress"]
+        self.assertEqual(policy["ports"], [{"port": "http"}, {"port": "metrics"}])
+        endpoint = documents["ServiceMonitor"]["spec"]["endpoints"][0]
+        self.assertEqual((endpoint["targetPort"], endpoint.get("port")), ("metrics", None))
+        [pod] = documents["Deployment"]["spec"]["template"]["spec"]["containers"]
+        self.assertIn({"name": "metrics", "containerPort": 9090}, pod["ports"])
+        self.assertEqual([port["name"] for port in documents["Service"]["spec"]["ports"]], ["http"])
 
     def test_has_the_servers_version(self):
         result = execute([os.environ["CCDT_SERVER"], "--version"], capture_output=True, text=True, check=True)
