@@ -397,9 +397,16 @@ Result<void> apply(const Setting& setting, std::string_view name, std::string_vi
     return failure(ErrorCode::Malformed, std::string(name) + ": '" + std::string(value) + "' is not " + expected);
 }
 
-std::string warn_of_variable(std::string_view name) {
+/// Lists a name of each setting.
+std::vector<std::string> list_settings(std::string_view (*name_of)(const Setting&)) {
     std::vector<std::string> names;
-    for (const Setting& setting : kSettings) names.emplace_back(setting.variable);
+    names.reserve(kSettings.size());
+    for (const Setting& setting : kSettings) names.emplace_back(name_of(setting));
+    return names;
+}
+
+std::string warn_of_variable(std::string_view name) {
+    const auto names = list_settings([](const Setting& setting) { return setting.variable; });
     return "the variable " + std::string(name) + " has no effect; " + suggestion(names, name);
 }
 
@@ -418,8 +425,7 @@ Result<void> read_environment(std::span<const char* const> environment, Draft& d
 }
 
 std::vector<std::string> all_flags() {
-    std::vector<std::string> flags;
-    for (const Setting& setting : kSettings) flags.emplace_back(setting.flag);
+    auto flags = list_settings([](const Setting& setting) { return setting.flag; });
     for (const ActionFlag& each : kActions) flags.emplace_back(each.flag);
     return flags;
 }
@@ -461,8 +467,6 @@ std::string_view file_name_of(const Setting& setting) {
 /// Reads a file of settings. Leaves settings unchanged that have a value already.
 /// @param file  name of the file, for messages
 Result<void> read_settings(std::string_view text, const std::string& file, Draft& draft) {
-    std::vector<std::string> names;
-    for (const Setting& setting : kSettings) names.emplace_back(file_name_of(setting));
     std::map<std::string_view, std::size_t> lines;
     const auto given_before = draft.given;
     for (std::size_t number = 1; !text.empty(); ++number) {
@@ -476,8 +480,8 @@ Result<void> read_settings(std::string_view text, const std::string& file, Draft
         const auto setting = std::ranges::find_if(
             kSettings, [name](const Setting& each) { return name == file_name_of(each) || name == each.variable; });
         if (setting == kSettings.end())
-            return failure(ErrorCode::Malformed,
-                           origin + ": '" + std::string(name) + "' is not an option; " + suggestion(names, name));
+            return failure(ErrorCode::Malformed, origin + ": '" + std::string(name) + "' is not an option; " +
+                                                     suggestion(list_settings(file_name_of), name));
         if (const auto [line, is_new] = lines.emplace(setting->flag, number); !is_new)
             return failure(ErrorCode::Malformed,
                            origin + ": " + std::string(name) + " is given in line " + std::to_string(line->second));
