@@ -327,7 +327,7 @@ double crowding(const NarrowRow<Position>& row, std::span<const Position> positi
             const Position way = p - positions[site];
             if (i != site && !is_apart(site, i)) least = std::min(least, dot(way, way));
         });
-        sum += 1 / least;
+        sum += least > 0 ? 1 / least : std::numeric_limits<double>::infinity();
     }
     return sum;
 }
