@@ -263,7 +263,8 @@ Cost cost_of(const HalftoneRequest& request, const Limits& limits) {
     const Estimate read =
         then(decoding_cost(request) + levels_cost(request) + cropping_cost(request), sharpening_cost(request, sites));
     const Estimate densities = densities_cost(request, sites);
-    const Estimate written = writing_cost(request, sites, limits);
+    const Estimate timed = request.minutes ? kPathCost * sites : Estimate{};  // the path that keeps to the time
+    const Estimate written = then(timed, writing_cost(request, sites, limits));
     Cost all = total_cost(then(then(read, densities + placing_cost(request, sites)), written));
     all.before = read.seconds + densities.seconds;
     all.after = written.seconds;

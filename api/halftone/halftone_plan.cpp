@@ -355,6 +355,12 @@ Result<std::size_t> max_dots(const HalftoneRequest& request, const SeparatedPict
                    request.field_of("minutes"));
 }
 
+/// Rounds HalftonePlan::tone for answers.
+double rounded_tone(double tone) {
+    constexpr double kDigits = 1e4;
+    return std::round(tone * kDigits) / kDigits;
+}
+
 /// Determines the number and the radius of the dots of each ink. Replaces the coverage of the picture with the density
 /// of dots.
 /// @param ink    [inks] area that the dots of each ink should cover, in pixels of the picture
@@ -363,11 +369,13 @@ Result<std::size_t> max_dots(const HalftoneRequest& request, const SeparatedPict
 Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, SeparatedPicture& picture,
                          std::span<const double> ink, std::size_t usual, std::size_t most, const Limits& limits,
                          const Control& control) {
-    constexpr double kToneDigits = 1e4;
     constexpr double kLowTone = 0.8;  // a lower tone is visibly too light
     plan.radius = requested_radius(request, plan, picture.fineness);
     if (is_proportional(request)) {
         plan.sites = share_sites(ink, usual);
+        // Dots that a pen fills take a time that depends on their radius, so it must not change with their number.
+        if (request.minutes && request.drawing.has_turns() && !plan.radius)
+            plan.radius = covering_radius(std::reduce(ink.begin(), ink.end()), static_cast<double>(usual));
         return {};
     }
     const double side = std::sqrt(picture.cell_area());
@@ -387,7 +395,7 @@ Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, Sep
     const double needed = std::reduce(dots.dots.begin(), dots.dots.end());
     const double drawn = request.minutes ? std::min(needed, static_cast<double>(most)) : needed;
     const double share = drawn < needed ? drawn / needed : 1;
-    plan.tone = std::round(dots.tone * share * kToneDigits) / kToneDigits;
+    plan.tone = rounded_tone(dots.tone * share);
     plan.samples = samples_for(*plan.radius * plan.canvas.scale, plan.canvas, request.antialias);
     auto sites = sites_of(wanted.sites, drawn, wanted.mark == Mark::Line ? "pen" : "dot", limits);
     if (!sites) return tl::unexpected(sites.error());
@@ -471,6 +479,22 @@ std::optional<PrintProof> make_proof(const HalftoneRequest& request, const Halft
                       toned(ink_set(request.palette), request.tone), *plan.radius, sites, executor);
 }
 
+/// Removes points at regular steps along a path. The others keep their order.
+/// @param path   indices of the points; a closed path repeats the first one
+/// @param share  share of the points that stay, below 1; at least one point is removed if there is any
+std::vector<Point> thinned(std::span<const Point> points, std::span<const std::uint32_t> path, double share) {
+    const std::size_t count = points.size();
+    const auto removed =
+        std::min(count, static_cast<std::size_t>(std::ceil((1 - std::max(share, 0.0)) * static_cast<double>(count))));
+    std::vector<bool> stays(count, true);
+    for (std::size_t i = 0; i < removed; ++i) stays[path[(2 * i + 1) * count / (2 * removed)]] = false;
+    std::vector<Point> rest;
+    for (std::size_t i = 0; i < count; ++i) {
+        if (stays[i]) rest.push_back(points[i]);
+    }
+    return rest;
+}
+
 /// Returns the warning that only one frame is drawn, if the file has several frames.
 std::vector<Warning> warnings_of(const HalftoneRequest& request) {
     std::string frame = describe_frame(request.image.header);
@@ -490,6 +514,30 @@ Result<std::vector<Density>> make_densities(HalftonePlan& plan, SeparatedPicture
         densities[ink] = *std::move(density);
     }
     return densities;
+}
+
+/// Removes dots, at regular steps along the path of each ink, until a plotter draws the rest in the requested time. The
+/// plan estimates the length of the path, so there are few to remove.
+void keep_to_time(const HalftoneRequest& request, HalftonePlan& plan, std::vector<Distribution>& dots,
+                  const std::stop_token& stop) {
+    constexpr double kMargin = 1e-3;
+    const Page page{plan.box(), false, false, plan.canvas, request.drawing.width_mm};
+    while (!stop.stop_requested()) {
+        std::vector<InkDots> inks;
+        for (std::size_t ink = 0; ink < dots.size(); ++ink)
+            inks.push_back({request.palette.inks[ink], dots[ink], plan.radius.value_or(0)});
+        const Plot plot = plot_of({inks}, page, request.drawing, stop);
+        const double share = 60 * *request.minutes / plot.seconds();
+        if (!(share < 1)) return;
+        std::size_t before = 0, after = 0;
+        for (std::size_t ink = 0; ink < dots.size(); ++ink) {
+            std::vector<Point>& points = dots[ink].points;
+            before += points.size();
+            points = thinned(points, plot.pens[ink].runs.front().path, share - kMargin);
+            after += points.size();
+        }
+        if (plan.tone) plan.tone = rounded_tone(*plan.tone * static_cast<double>(after) / static_cast<double>(before));
+    }
 }
 
 }  // namespace
@@ -556,6 +604,7 @@ Result<std::vector<Distribution>> place_dots(const HalftoneRequest& request, Hal
         if (auto whole = check_whole(each.stopped, request.on_deadline); !whole)
             return about_image(whole.error(), request);
     }
+    if (request.minutes) keep_to_time(request, plan, *dots, control.stop);
     return dots;
 }
 

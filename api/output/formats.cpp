@@ -25,7 +25,6 @@ constexpr int kAnySide = std::numeric_limits<int>::max();
 
 constexpr Estimate kNumbersCost{150, 0.3 * kMicrosecond};   ///< cost of a site, as text or in binary
 constexpr Estimate kFeaturesCost{400, 0.5 * kMicrosecond};  ///< cost of a site with its own Feature
-constexpr Estimate kPathCost{360, 3.5 * kMicrosecond};      ///< cost of a site, including the search for a short path
 constexpr Estimate kColoursCost{16, 0.1 * kMicrosecond};    ///< cost of a pixel in libwebp
 
 void list_csv(const PointSet& points, const Report&, Body& body, const std::stop_token& stop) {

@@ -20,6 +20,9 @@
 
 namespace ccdt::api {
 
+/// Cost of writing a site, including the search for a short path.
+inline constexpr Estimate kPathCost{360, 3.5 * kMicrosecond};
+
 /// Writer of points as numbers. After a stop, the output is incomplete.
 struct ListWriter {
     /// Whether the same points always give the same bytes. False if the output contains the computing time.

@@ -85,13 +85,13 @@ double length(std::span<const Point> stroke) {
 
 /// Estimates the time that a plotter takes to draw a number of dots, in seconds, by the model of dots_in().
 double seconds_for(double dots, const PlotInk& ink, std::optional<double> radius, const DrawingOptions& drawing) {
-    constexpr double kOverlaps = 1.2;  // typical total area of dots, divided by the area that they cover together
-    const double fitting = std::sqrt(kOverlaps * ink.area / dots / std::numbers::pi);
-    const double each = radius.value_or(fitting);
+    // Factor of the length of the path. Most paths are slightly shorter, so few drawings take too long.
+    constexpr double kPath = 1.02;
+    const double each = radius.value_or(covering_radius(ink.area, dots));
     if (drawing.has_turns() && each > kMaxTurns * drawing.pen_mm) return std::numeric_limits<double>::infinity();
     const double drawn = length(dot_stroke(drawing.style, each, drawing.pen_mm));
     const double lifts = drawing.style == DotStyle::Path ? 1 : dots;
-    const double moved = ink.spread * std::sqrt(dots / ink.area) + dots * drawn;
+    const double moved = kPath * ink.spread * std::sqrt(dots / ink.area) + dots * drawn;
     return moved / drawing.plotter.speed + 2 * drawing.plotter.dwell * lifts;
 }
 
@@ -145,6 +145,11 @@ double Plot::seconds() const {
         }
     }
     return moved / plotter.speed + 2 * plotter.dwell * lifts;
+}
+
+double covering_radius(double area, double dots) {
+    constexpr double kOverlaps = 1.2;  // typical total area of dots, divided by the area that they cover together
+    return std::sqrt(kOverlaps * area / dots / std::numbers::pi);
 }
 
 double dots_in(double seconds, const PlotInk& ink, std::optional<double> radius, const DrawingOptions& drawing) {
