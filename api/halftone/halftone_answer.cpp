@@ -55,7 +55,8 @@ public:
                 writer.check(request_.drawing, largest, page, request_.field_of("pen"), request_.field_of("width_mm"));
             !checked)
             return checked;
-        writer.write({inks_}, request_.palette, page, request_.drawing, body_, path_stop_, stop_);
+        writer.write({.layers = inks_, .tone = plan_.tone}, request_.palette, page, request_.drawing, body_, path_stop_,
+                     stop_);
         return {};
     }
 

@@ -527,7 +527,7 @@ void keep_to_time(const HalftoneRequest& request, HalftonePlan& plan, std::vecto
         for (std::size_t ink = 0; ink < dots.size(); ++ink)
             inks.push_back({request.palette.inks[ink], dots[ink], plan.radius.value_or(0)});
         const Plot plot = plot_of({inks}, page, request.drawing, stop);
-        const double share = 60 * *request.minutes / plot.seconds();
+        const double share = 60 * *request.minutes / plot.size().seconds;
         if (!(share < 1)) return;
         std::size_t before = 0, after = 0;
         for (std::size_t ink = 0; ink < dots.size(); ++ink) {

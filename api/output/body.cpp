@@ -26,7 +26,7 @@ void Body::flush_all() {
         Answer head = *head_;
         // A stop may have ended the search for a shorter path, so another run may give other bytes.
         head.repeats = head.repeats && !path_stop_.stop_requested();
-        head.plot_seconds = plot_seconds_;
+        head.plot = plot_;
         written_ = sink_->begin(head);
     }
     for (std::string_view rest = text_; !rest.empty() && written_; rest.remove_prefix(std::min(kPiece, rest.size())))
@@ -41,7 +41,7 @@ Result<Answer> Body::finish(Answer answer) {
         answer.body = std::move(text_);
         answer.repeats = answer.repeats && !path_stop_.stop_requested();
     }
-    answer.plot_seconds = plot_seconds_;
+    answer.plot = plot_;
     answer.streamed = begun_;
     if (!written_) return tl::unexpected(written_.error());
     return answer;

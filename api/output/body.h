@@ -50,8 +50,8 @@ public:
     /// Reserves memory for a body of `bytes` bytes or, with a sink, for the part of it that is in memory at once.
     void expect(std::size_t bytes);
 
-    /// Sets the time in which a plotter draws the answer. Must be called before the first piece is passed on.
-    void set_plot_seconds(double seconds) { plot_seconds_ = seconds; }
+    /// Sets the size of a drawing by a plotter. Must be called before the first piece is passed on.
+    void set_plot(const PlotSize& plot) { plot_ = plot; }
 
     /// Passes the text written so far to the sink, if there is one and the text has at least kMaxInMemory bytes or,
     /// after the first piece, at least kPiece bytes.
@@ -69,7 +69,7 @@ private:
     BodySink* sink_ = nullptr;
     std::stop_token path_stop_;
     std::string text_;
-    std::optional<double> plot_seconds_;
+    std::optional<PlotSize> plot_;
     bool begun_ = false;
     Result<void> written_;
 };

@@ -40,7 +40,7 @@ template <void (&write)(const Plot&, Body&, const std::stop_token&)>
 void plot_points(const PointSet& points, const Palette&, const Page& page, const DrawingOptions& drawing, Body& body,
                  const std::stop_token& path_stop, const std::stop_token& stop) {
     const Plot plot = plot_of(points, page, drawing, path_stop, stop);
-    body.set_plot_seconds(plot.seconds());
+    body.set_plot(plot.size());
     write(plot, body, stop);
 }
 

@@ -189,7 +189,7 @@ void write_areas(const InkAreas& areas, const Palette& palette, const Page& shee
 }
 
 void write_plot(const Plot& plot, const Palette& palette, bool mixes, Body& body, const std::stop_token& stop) {
-    body.set_plot_seconds(plot.seconds());
+    body.set_plot(plot.size());
     PdfPage page(plot.page.size(), body, stop);
     if (plot.style == DotStyle::Fill) page.paper(palette.paper);
     for (const Pen& pen : plot.pens) {

@@ -128,23 +128,42 @@ Result<void> check_sides(const Page& page, const std::string& field) {
     return failure(ErrorCode::Unusable, std::move(message), field);
 }
 
-double Plot::seconds() const {
+PlotSize Plot::size() const {
     const double unit = page.unit();
-    double moved = 0, lifts = 0;
+    PlotSize size;
+    double lifts = 0;
     for (const Pen& pen : pens) {
+        size.pen_mm = std::max(size.pen_mm, pen.width);
         const double drawn = length(pen.stroke);
         std::optional<Point> before;
         for (const PenRun& run : pen.runs) {
             for (const std::uint32_t i : run.path) {
-                if (before) moved += unit * distance(*before, run.points[i]);
+                if (before) size.path_mm += unit * distance(*before, run.points[i]);
                 before = run.points[i];
             }
             const auto dots = static_cast<double>(run.path.size());
-            moved += dots * drawn;
+            size.path_mm += dots * drawn;
             lifts += style == DotStyle::Path ? std::min(dots, 1.0) : dots;
         }
     }
-    return moved / plotter.speed + 2 * plotter.dwell * lifts;
+    size.seconds = size.path_mm / plotter.speed + 2 * plotter.dwell * lifts;
+    return size;
+}
+
+std::string Plot::description() const {
+    constexpr double kMetre = 1000, kMinute = 60;
+    std::size_t dots = 0;
+    for (const Pen& pen : pens) {
+        for (const PenRun& run : pen.runs) dots += run.points.size();
+    }
+    const PlotSize drawn = size();
+    std::string text = std::to_string(dots) + " dots, pen ";
+    append_fixed(text, drawn.pen_mm, 2);
+    append_fixed(text += " mm, path ", drawn.path_mm / kMetre, 2);
+    append_fixed(text += " m, ", drawn.seconds / kMinute, 1);
+    text += " min";
+    if (tone) append_fixed(text += ", tone ", *tone, 2);
+    return text;
 }
 
 double covering_radius(double area, double dots) {
@@ -165,7 +184,7 @@ double dots_in(double seconds, const PlotInk& ink, std::optional<double> radius,
 Plot plot_of(const PointSet& points, const Page& page, const DrawingOptions& drawing, const std::stop_token& path_stop,
              const std::stop_token& stop) {
     const std::vector<std::string> labels = pen_labels(points.inks());
-    Plot plot{page, drawing.style, drawing.closed, drawing.plotter, {}};
+    Plot plot{page, drawing.style, drawing.closed, drawing.plotter, points.tone, {}};
     for (std::size_t i = 0; i < points.layers.size(); ++i) {
         const InkDots& layer = points.layers[i];
         Pen& pen = plot.pens.emplace_back(make_pen(labels[i], layer.ink.colour, layer.radius * page.unit(), drawing));

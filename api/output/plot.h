@@ -12,6 +12,7 @@
 #include "api/input/drawing_options.h"
 #include "api/output/page.h"
 #include "api/output/point_set.h"
+#include "api/run/options.h"
 #include "core/base/result.h"
 #include "core/geometry/point.h"
 
@@ -43,11 +44,16 @@ struct Plot {
     DotStyle style;
     bool closed;  ///< whether lines end where they start
     Plotter plotter;
+    std::optional<double> tone;  ///< as PointSet::tone
     std::vector<Pen> pens;
 
-    /// Estimates the time in which a plotter draws the plot, in seconds. The model: the pen moves at constant speed,
+    /// Estimates the length of a plotter's path and the time that it takes. The model: the pen moves at constant speed,
     /// and is lifted between strokes. Meaningful only if the page has a width in millimetres.
-    double seconds() const;
+    PlotSize size() const;
+
+    /// Describes the plot in words without capitals, brackets and characters that controllers of machines interpret,
+    /// such as "900 dots, pen 0.3 mm, path 12.3 m, 4.2 min, tone 0.98".
+    std::string description() const;
 };
 
 /// Area of the ink that pens draw on a page.
@@ -59,7 +65,7 @@ struct PlotInk {
 /// Estimates the radius with which dots cover an area together, although they overlap.
 double covering_radius(double area, double dots);
 
-/// Estimates the number of dots that a plotter draws in a given time, by the model of Plot::seconds(). If the density
+/// Estimates the number of dots that a plotter draws in a given time, by the model of Plot::size(). If the density
 /// of n dots is proportional to the coverage c, the length of a short path through the dots is about sqrt(n) *
 /// (integral of sqrt(c)) / sqrt(integral of c). Source: Beardwood, Halton and Hammersley 1959; the constant factor
 /// of this length is 1 to 1.02 for short_path() on at least 1,000 dots of blue noise.

@@ -60,6 +60,7 @@ std::string plain(std::string_view label) {
     return text;
 }
 
+// There are no comments, because Inkscape refuses files with the instruction CO.
 class Hpgl : public PlotterFile {
 public:
     using PlotterFile::PlotterFile;
@@ -101,11 +102,11 @@ public:
           down_(movement(plot.plotter.pen_down, plot.plotter)),
           up_(movement(plot.plotter.pen_up, plot.plotter)) {}
 
-    void initialise() { write("G21\nG90\n", up_); }
+    void initialise(const Plot& plot) { write("; ", plot.description(), "\nG21\nG90\n", up_); }
 
     void select(std::size_t number, std::string_view label) {
         if (number > 1) write("M0\n");
-        write("(PEN ", static_cast<long long>(number), " ", plain(label), ")\n");
+        write("; PEN ", static_cast<long long>(number), " ", plain(label), "\n");
         is_feed_told_ = false;
     }
 
@@ -239,7 +240,7 @@ void write_hpgl(const Plot& plot, Body& body, const std::stop_token& stop) {
 
 void write_gcode(const Plot& plot, Body& body, const std::stop_token& stop) {
     Gcode file(plot, body, stop);
-    file.initialise();
+    file.initialise(plot);
     for (std::size_t i = 0; i < plot.pens.size(); ++i) {
         file.select(i + 1, plot.pens[i].label);
         trace(plot, plot.pens[i], file);

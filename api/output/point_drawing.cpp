@@ -108,6 +108,9 @@ public:
     /// Returns the number of user units per unit of the points.
     double unit() const { return unit_; }
 
+    /// @param text  must not contain two hyphens in a row
+    void comment(std::string_view text) { write("<!-- ", text, " -->\n"); }
+
     void describe(std::size_t dots, double radius, double path, double original, std::string_view unit) {
         write("<desc>", std::to_string(dots), " dots along a path of ", path, unit, "; in their original order it is ",
               original, unit, "; their radius is ", radius, unit, "</desc>\n");
@@ -386,8 +389,11 @@ void write_svg(const PointSet& points, const Palette& palette, const Page& page,
     const bool layered = points.are_grouped() || points.are_named();
     const bool has_paper = drawing.style == DotStyle::Fill;
     const Plot plot = plot_of(points, page, drawing, path_stop, stop);
-    if (page.width_mm) body.set_plot_seconds(plot.seconds());
     DotDocument document(page, points.size(), layered ? kLayers : "", body);
+    if (page.width_mm) {
+        body.set_plot(plot.size());
+        document.comment(plot.description());
+    }
     if (layered && has_paper) document.paper(palette.paper);
     for (std::size_t i = 0; i < points.layers.size(); ++i) {
         const InkDots& layer = points.layers[i];

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -33,6 +34,7 @@ struct PointSet {
     /// [features] Ids as JSON, empty for a feature without id. No elements: points are not grouped by features.
     std::span<const std::string> feature_ids = {};
     const CarriedProperties* properties = nullptr;  ///< properties of the features; null: points carry none
+    std::optional<double> tone = {};                ///< DotSize::tone of a halftone, for descriptions of drawings
 
     bool are_grouped() const { return !feature_ids.empty(); }
 

@@ -51,6 +51,13 @@ struct DotSize {
     double tone = 1;    ///< area that the dots cover, divided by the area that they should cover
 };
 
+/// Size of a drawing by a plotter.
+struct PlotSize {
+    double seconds = 0;  ///< estimated time
+    double path_mm = 0;  ///< length of the path, with the pen down and up
+    double pen_mm = 0;   ///< width of the widest pen
+};
+
 /// Answer to a request, as sent to the client.
 struct Answer {
     std::string media_type;
@@ -63,8 +70,8 @@ struct Answer {
     std::string warnings = {};  ///< warnings about the request, as JSON; empty if there are none or the body lists them
     bool partial = false;       ///< whether the run was stopped early and the result is partial
     bool repeats = true;        ///< whether the same request always gets the same bytes
-    std::optional<DotSize> dots = {};         ///< size of the dots of a halftone
-    std::optional<double> plot_seconds = {};  ///< estimated time in which a plotter draws the answer
+    std::optional<DotSize> dots = {};   ///< size of the dots of a halftone
+    std::optional<PlotSize> plot = {};  ///< size of a drawing by a plotter; caches keep its time only
 };
 
 }  // namespace ccdt::api

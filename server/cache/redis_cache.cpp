@@ -58,7 +58,7 @@ std::optional<api::Answer> RedisCache::find(const std::string& name) {
     answer.warnings = std::move(items[6].text);
     answer.repeats = number_of<int>(items[7]) != 0;
     if (!items[8].text.empty()) answer.dots = api::DotSize{number_of<double>(items[8]), number_of<double>(items[9])};
-    if (!items[10].text.empty()) answer.plot_seconds = number_of<double>(items[10]);
+    if (!items[10].text.empty()) answer.plot = api::PlotSize{number_of<double>(items[10])};
     return answer;
 }
 
@@ -76,7 +76,7 @@ void RedisCache::store(const std::string& name, const api::Answer& answer) {
     const std::string pixels = text_of(answer.pixels);
     const std::string radius = answer.dots ? text_of(answer.dots->radius) : "";
     const std::string tone = answer.dots ? text_of(answer.dots->tone) : "";
-    const std::string plot_seconds = answer.plot_seconds ? text_of(*answer.plot_seconds) : "";
+    const std::string plot_seconds = answer.plot ? text_of(answer.plot->seconds) : "";
     RedisCommand store{"HSET",         key,
                        "body",         answer.body,
                        "media_type",   answer.media_type,

@@ -78,7 +78,7 @@ void Messages::report_progress(std::string_view input, double done) {
 }
 
 void Messages::report_result(const Finished& finished) {
-    const auto& [input, output, media_type, bytes, sites, seconds, dots, plot_seconds] = finished;
+    const auto& [input, output, media_type, bytes, sites, seconds, dots, plot] = finished;
     if (style_ == Style::Json) {
         JsonLine line("result");
         line.add("input", input);
@@ -89,7 +89,11 @@ void Messages::report_result(const Finished& finished) {
         line.add("seconds", seconds, 3);
         if (dots) line.add("radius", dots->radius, 3);
         if (dots) line.add("tone", dots->tone, 4);
-        if (plot_seconds) line.add("plot_seconds", *plot_seconds, 0);
+        if (plot) {
+            line.add("plot_seconds", plot->seconds, 0);
+            line.add("path_mm", plot->path_mm, 0);
+            line.add("pen_mm", plot->pen_mm, 3);
+        }
         return print(line.finish());
     }
     clear_bar();
@@ -102,9 +106,10 @@ void Messages::report_result(const Finished& finished) {
         api::append_rounded(text, dots->tone, 2);
         text += ", ";
     }
-    if (plot_seconds) {
-        text += "a plotter needs ";
-        api::append_rounded(text, *plot_seconds / 60, 1);
+    if (plot) {
+        api::append_rounded(text += "pen ", plot->pen_mm, 2);
+        api::append_rounded(text += " mm, path ", plot->path_mm / 1000, 2);
+        api::append_rounded(text += " m, a plotter needs ", plot->seconds / 60, 1);
         text += " min, ";
     }
     text += std::to_string(bytes) + " bytes, ";

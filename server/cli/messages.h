@@ -33,8 +33,8 @@ public:
         std::size_t bytes;
         std::size_t sites;
         double seconds;
-        std::optional<api::DotSize> dots = {};    ///< of a halftone
-        std::optional<double> plot_seconds = {};  ///< time in which a plotter draws the answer
+        std::optional<api::DotSize> dots = {};   ///< of a halftone
+        std::optional<api::PlotSize> plot = {};  ///< of a drawing by a plotter
     };
     /// Reports that an answer is complete. As text, the report is printed only on a terminal.
     void report_result(const Finished& finished);

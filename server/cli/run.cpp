@@ -231,7 +231,7 @@ private:
         const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
         report_notes(task.input, computed->warnings, computed->repaired);
         messages_.report_result({task.input, task.output, computed->media_type, output.written(), computed->sites,
-                                 taken.count(), computed->dots, computed->plot_seconds});
+                                 taken.count(), computed->dots, computed->plot});
         return {};
     }
 

@@ -168,7 +168,7 @@ bool send_answer(int channel, Reply reply, const api::Answer& answer) {
         reply.radius = answer.dots->radius;
         reply.tone = answer.dots->tone;
     }
-    reply.plot_seconds = answer.plot_seconds.value_or(-1);
+    reply.plot_seconds = answer.plot ? answer.plot->seconds : -1;
     return send_reply(channel, reply,
                       {answer.media_type, answer.coding, answer.body, answer.repaired, answer.warnings});
 }

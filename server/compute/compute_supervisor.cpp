@@ -245,7 +245,7 @@ private:
         answer.partial = reply.partial != 0;
         answer.repeats = reply.repeats != 0;
         answer.streamed = reply.streamed != 0;
-        if (reply.plot_seconds >= 0) answer.plot_seconds = reply.plot_seconds;
+        if (reply.plot_seconds >= 0) answer.plot = api::PlotSize{reply.plot_seconds};
         if (reply.radius > 0) answer.dots = api::DotSize{reply.radius, reply.tone};
         return answer;
     }

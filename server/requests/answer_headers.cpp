@@ -20,7 +20,7 @@ std::vector<Header> answer_headers(const api::Answer& answer) {
         headers.push_back(number_header("X-Radius", answer.dots->radius));
         headers.push_back(number_header("X-Tone", answer.dots->tone));
     }
-    if (answer.plot_seconds) headers.push_back(number_header("X-Plot-Seconds", *answer.plot_seconds));
+    if (answer.plot) headers.push_back(number_header("X-Plot-Seconds", answer.plot->seconds));
     if (!answer.repaired.empty()) headers.push_back({"X-Repaired", answer.repaired});
     if (!answer.warnings.empty()) headers.push_back({"X-Warnings", answer.warnings});
     return headers;

@@ -405,6 +405,9 @@ class Errors(Folder):
         self.assertIn("sites: so few small dots cover only", told["warning"]["message"])
         self.assertLess(told["result"]["tone"], 0.8)
         self.assertGreater(told["result"]["plot_seconds"], 60)
+        self.assertEqual(told["result"]["pen_mm"], 0.5)
+        self.assertIn(f"<!-- 7000 dots, pen 0.5 mm, path {told['result']['path_mm'] / 1000:.2f}".rstrip("0"),
+                      (self.folder / "camera.svg").read_text())
         error = json.loads(run("halftone", PICTURE, "--json", "--scale=x").stderr)
         self.assertEqual((error["status"], error["option"]), (2, "--scale"))
         error = json.loads(run("halftone", PICTURE, "--json", "-o", "a.jpg").stderr)

@@ -60,7 +60,7 @@ class Grbl:
         self.down, self.ended, self.millimetres, self.absolute = False, False, False, False
         for line in text.decode("ascii").splitlines():
             assert not self.ended and len(line) <= 80, line
-            self.run(re.sub(r"\([^()]*\)", "", line))
+            self.run(line.split(";")[0])
 
     def run(self, line):
         words = re.findall(r"([A-Z])(-?[0-9]+(?:\.[0-9]+)?)", line)

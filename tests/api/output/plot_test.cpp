@@ -68,7 +68,7 @@ double seconds_of(const std::vector<Point>& points, double radius, const Drawing
     const Distribution dots = dots_at(points);
     const InkDots inks{ink, dots, radius};
     const Page page = page_of(*drawing.width_mm);
-    return plot_of({{&inks, 1}}, page, drawing, {}).seconds();
+    return plot_of({{&inks, 1}}, page, drawing, {}).size().seconds;
 }
 
 TEST(PlotTime, CountsPathsAndPenLifts) {
@@ -81,6 +81,19 @@ TEST(PlotTime, CountsPathsAndPenLifts) {
     drawing.style = DotStyle::Circles;
     drawing.pen_mm = 1.5;  // of a dot of 1 mm: one circle with a radius of 0.25 mm
     EXPECT_NEAR(seconds_of(row, 0.1, drawing), 60 / 20.0 + 3 * 2 * 0.5 + 3 * 2 * std::numbers::pi * 0.25 / 20, 0.01);
+}
+
+TEST(PlotSize, IsDescribedWithTheTone) {
+    const Ink ink;
+    const Distribution dots = dots_at({{1, 1}, {4, 1}, {7, 1}});
+    const InkDots inks{ink, dots, 0.1};
+    const DrawingOptions drawing{.width_mm = 100, .style = DotStyle::Path, .pen_mm = 0.25, .plotter = {.speed = 0.5}};
+    const Page page = page_of(100);
+    Plot plot = plot_of({.layers = {&inks, 1}, .tone = 0.875}, page, drawing, {});
+    EXPECT_EQ(plot.description(), "3 dots, pen 0.25 mm, path 0.06 m, 2 min, tone 0.88");
+    EXPECT_DOUBLE_EQ(plot.size().path_mm, 60);
+    plot.tone.reset();
+    EXPECT_TRUE(plot.description().ends_with(" min"));
 }
 
 TEST(PlotTime, IsMetByTheEstimatedNumberOfDots) {

@@ -20,7 +20,7 @@ api::Answer whole_answer() {
     answer.warnings = "[2]";
     answer.repeats = false;
     answer.dots = api::DotSize{0.1, 0.7};
-    answer.plot_seconds = 0.3;
+    answer.plot = api::PlotSize{0.3};
     return answer;
 }
 
@@ -48,14 +48,14 @@ TEST_F(RedisCacheTest, ReturnsStoredAnswers) {
     ASSERT_TRUE(found->dots);
     EXPECT_EQ(found->dots->radius, answer.dots->radius);
     EXPECT_EQ(found->dots->tone, answer.dots->tone);
-    EXPECT_EQ(found->plot_seconds, answer.plot_seconds);
+    EXPECT_EQ(found->plot->seconds, answer.plot->seconds);
     EXPECT_GT(client_.run(RedisCommand{"TTL", "ccdt:2:answer:a"})->number, 0)
         << "entries must expire, so that Redis evicts them before jobs";
     api::Answer plain;
     plain.body = "plain";
     cache_.store("b", plain);
     EXPECT_FALSE(cache_.find("b")->dots);
-    EXPECT_FALSE(cache_.find("b")->plot_seconds);
+    EXPECT_FALSE(cache_.find("b")->plot);
     EXPECT_TRUE(cache_.find("b")->repeats);
 }
 

@@ -636,8 +636,8 @@ TEST(Sample, DrawsForPlottersAtTheEndsOfRanges) {
                         EXPECT_EQ(result.error().field, "/pen") << body;
                         continue;
                     }
-                    ASSERT_TRUE(result->plot_seconds) << body;
-                    EXPECT_TRUE(std::isfinite(*result->plot_seconds)) << body;
+                    ASSERT_TRUE(result->plot) << body;
+                    EXPECT_TRUE(std::isfinite(result->plot->seconds)) << body;
                     if (format != "pdf") {
                         EXPECT_EQ(result->body.find("nan"), std::string::npos) << body;
                         EXPECT_EQ(result->body.find("inf"), std::string::npos) << body;
