@@ -5,8 +5,8 @@ pip needs no network.
     pip install .
     pip install . --config-settings build-dir=FOLDER
 
-Without `build-dir`, the package is compiled in build/python of the source tree. A folder that CMake has configured
-already is used as it is. Files in the archives have the time SOURCE_DATE_EPOCH, if that variable is set.
+Without `build-dir`, the package is compiled in build/release of the source tree if server/run has built there, whose
+objects it shares, and else in build/python. A `build-dir` that CMake has configured already is used as it is. Files in the archives have the time SOURCE_DATE_EPOCH, if that variable is set.
 """
 
 import base64
@@ -49,15 +49,38 @@ def tag():
     return f"{python}-{python}-{sysconfig.get_platform().replace('-', '_').replace('.', '_')}"
 
 
-def compile_package(folder):
-    """Compiles the package in a build folder."""
-    if not (folder / "CMakeCache.txt").exists():
-        generator = ["-G", "Ninja"] if shutil.which("ninja") else []
-        subprocess.run(["cmake", "-S", ROOT, "-B", folder, *generator, "-DCMAKE_BUILD_TYPE=Release",
-                        "-DBUILD_TESTING=OFF", "-DCCDT_BUILD_PROGRAMS=OFF", "-DCCDT_BUILD_PYTHON=ON",
+def is_configured(folder):
+    """Returns whether CMake has written all files of a build folder. It may have failed after its cache was written."""
+    return any((folder / name).exists() for name in ("build.ninja", "Makefile"))
+
+
+def configure(folder):
+    """Configures a build folder for this Python, after a failure or for another Python, too."""
+    programs = [] if is_configured(folder) else ["-DCCDT_BUILD_PROGRAMS=OFF", "-DBUILD_TESTING=OFF"]
+    generator = ["-G", "Ninja"] if shutil.which("ninja") and not is_configured(folder) else []
+    try:
+        subprocess.run(["cmake", "-S", ROOT, "-B", folder, "-U", "*Python_*", "-U", "PYTHON_*", *generator, *programs,
+                        "-DCMAKE_BUILD_TYPE=Release", "-DCCDT_BUILD_PYTHON=ON",
                         f"-DPython_EXECUTABLE={sys.executable}"], check=True)
+    except (FileNotFoundError, subprocess.CalledProcessError) as error:
+        raise SystemExit(f"ccdt cannot be compiled: {error}. The messages of CMake above, if any, say what is missing. "
+                         "On Debian 12, as root: docker/install build && apt-get install pybind11-dev libpython3-dev"
+                         ) from None
+
+
+def compile_package(given=None):
+    """Compiles the package, and returns the build folder.
+
+    Args:
+        given: build folder. By default, it is chosen, and configured for this Python.
+    """
+    release = ROOT / "build" / "release"
+    folder = pathlib.Path(given or (release if is_configured(release) else ROOT / "build" / "python")).resolve()
+    if not given or not is_configured(folder):
+        configure(folder)
     subprocess.run(["cmake", "--build", folder, "--parallel", str(os.cpu_count()), "--target", "ccdt_python"],
                    check=True)
+    return folder
 
 
 def timestamp():
@@ -77,8 +100,7 @@ def add(wheel, name, data, listing):
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     """Builds the wheel, and returns the name of its file. Called by pip."""
-    folder = pathlib.Path((config_settings or {}).get("build-dir", ROOT / "build" / "python")).resolve()
-    compile_package(folder)
+    folder = compile_package((config_settings or {}).get("build-dir"))
     name = f"ccdt-{version()}-{tag()}.whl"
     information = f"ccdt-{version()}.dist-info"
     wheel_text = f"Wheel-Version: 1.0\nGenerator: ccdt\nRoot-Is-Purelib: false\nTag: {tag()}\n"

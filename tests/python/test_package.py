@@ -58,6 +58,36 @@ def test_pip_installs_the_package_without_network(tmp_path):
     assert f" {version} {version} (9, 2)" in output
 
 
+@pytest.fixture(name="cmake")
+def fixture_cmake(tmp_path, monkeypatch):
+    """A program `cmake` that notes its arguments, and fails if told so."""
+    program = tmp_path / "bin" / "cmake"
+    program.parent.mkdir()
+    program.write_text('#!/bin/sh\necho "$@" >>"$CALLS"\nexit $STATUS\n')
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{program.parent}:{os.environ['PATH']}")
+    monkeypatch.setenv("CALLS", str(tmp_path / "calls"))
+    monkeypatch.setenv("STATUS", "0")
+    monkeypatch.syspath_prepend(SOURCE)
+    return lambda: (tmp_path / "calls").read_text().splitlines()
+
+
+def test_a_build_is_repeated_after_a_failure(tmp_path, cmake, monkeypatch):
+    import build_backend  # pylint: disable=import-error,import-outside-toplevel
+    folder = tmp_path / "build"
+    folder.mkdir()
+    (folder / "CMakeCache.txt").write_text("")  # of a configuration that failed
+    monkeypatch.setenv("STATUS", "1")
+    with pytest.raises(SystemExit, match="docker/install build"):
+        build_backend.compile_package(folder)
+    monkeypatch.setenv("STATUS", "0")
+    build_backend.compile_package(folder)
+    (folder / "build.ninja").write_text("")
+    build_backend.compile_package(folder)
+    kinds = ["configure" if f"-DPython_EXECUTABLE={sys.executable}" in call else "build" for call in cmake()]
+    assert kinds == ["configure", "configure", "build", "build"]
+
+
 def build(function, folder):
     """Builds an archive at a fixed time, and returns its path."""
     folder.mkdir()
