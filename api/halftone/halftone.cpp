@@ -235,12 +235,17 @@ Result<HalftoneRequest> parse_options(const HalftoneInput& input, std::string_vi
         draft.request.drawing.pen_follows = draft.request.drawing.style == DotStyle::Path && !input.has("pen");
         errors.add(draft.request.format->check_drawing(draft.request.drawing, draft.request.field_of("width_mm")));
     }
-    errors.add(check_closed(draft.request.drawing, draft.request.field_of("closed")));
+    errors.add(check_effects(draft.request.drawing, draft.request.dot.has_value()).map_error([&](Error error) {
+        error.field = draft.request.field_of(error.field);
+        return error;
+    }));
     errors.add(settle_palette(draft, input));
     errors.add(check_dot(draft.request, input));
     errors.add(check_minutes(draft.request, input));
     errors.add(settle_detail(draft.request, input));
     if (auto settled = errors.result(); !settled) return tl::unexpected(settled.error());
+    const DrawingOptions& drawing = draft.request.drawing;
+    if (drawing.is_dot() && drawing.style == DotStyle::Stroke) draft.request.dot = DotRadius{drawing.pen_mm / 2, true};
     if (draft.request.dots == Dots::Both) draft.request.run.quality = quality_of_sites(draft.request.run.quality);
     return std::move(draft.request);
 }

@@ -300,7 +300,7 @@ Result<Canvas> plan_canvas(const HalftoneRequest& request, const HalftonePlan& p
 std::optional<double> requested_radius(const HalftoneRequest& request, const HalftonePlan& plan, double fineness) {
     if (has_screen_radius(request)) return screen_radius(plan.canvas, fineness);
     const DrawingOptions& drawing = request.drawing;
-    if (drawing.style == DotStyle::Path && !drawing.pen_follows && drawing.width_mm)
+    if (drawing.style == DotStyle::Path && drawing.is_dot() && drawing.width_mm)
         return drawing.pen_mm / 2 / *drawing.width_mm * plan.picture.width;
     if (!request.dot) return std::nullopt;
     return picture_radius(request, plan.picture, plan.canvas.scale);
@@ -397,7 +397,7 @@ Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, Sep
     const double share = drawn < needed ? drawn / needed : 1;
     plan.tone = rounded_tone(dots.tone * share);
     plan.samples = samples_for(*plan.radius * plan.canvas.scale, plan.canvas, request.antialias);
-    auto sites = sites_of(wanted.sites, drawn, wanted.mark == Mark::Line ? "pen" : "dot", limits);
+    auto sites = sites_of(wanted.sites, drawn, request.drawing.is_dot() ? "pen" : "dot", limits);
     if (!sites) return tl::unexpected(sites.error());
     plan.sites = share_sites(dots.dots, *sites);
     if (dots.shows_contrast) {

@@ -42,8 +42,21 @@ std::string_view name_of(DotStyle style) {
     return std::ranges::find(kStyles, style, &Choice<DotStyle>::value)->word;
 }
 
+Result<double> read_millimetres(const Input& input, const Interval& allowed) {
+    static constexpr std::array<Choice<double>, 3> kUnits = {{{"mm", 1}, {"cm", 10}, {"in", 25.4}}};
+    const auto text = read_text(input);
+    for (const auto& [unit, length] : kUnits) {
+        if (!text || !text->ends_with(unit)) continue;
+        Input number = input;
+        number.value = text->substr(0, text->size() - unit.size());
+        const auto value = read_number(number, {allowed.min / length, allowed.max / length, allowed.above_min});
+        return value.map([&, factor = length](double each) { return each * factor; });
+    }
+    return read_number(input, allowed);
+}
+
 Result<void> read_width_mm(const Input& input, DrawingOptions& options) {
-    return assign(options.width_mm, read_number(input, kWidths));
+    return assign(options.width_mm, read_millimetres(input, kWidths));
 }
 
 Result<void> read_style(const Input& input, DrawingOptions& options) {
@@ -54,37 +67,49 @@ Result<void> read_closed(const Input& input, DrawingOptions& options) {
     return assign(options.closed, read_boolean(input));
 }
 
-Result<void> check_closed(const DrawingOptions& options, const std::string& field) {
-    if (!options.closed || options.style == DotStyle::Path) return {};
-    return failure(ErrorCode::Malformed, "closed is an option of style=path only", field);
+Result<void> check_effects(const DrawingOptions& options, bool has_dot) {
+    const auto fault = [](std::string_view option, const char* message) {
+        return failure(ErrorCode::Malformed, std::string(option) + message, std::string(option));
+    };
+    if (options.closed && options.style != DotStyle::Path) return fault("closed", " is an option of style=path only");
+    if (options.has_pen && options.style == DotStyle::Fill)
+        return fault("pen", " is an option of style=stroke, circles, spiral and path only");
+    if (options.has_pen && options.style == DotStyle::Stroke && !options.width_mm)
+        return fault("pen", " needs width_mm, the width of the drawing in millimetres");
+    if (options.is_dot() && has_dot) return fault("dot", " is half of pen in this style: give only one of them");
+    if (!options.of_plotter.empty() && !options.width_mm)
+        return fault(options.of_plotter, " needs width_mm, the width of the drawing in millimetres");
+    return {};
 }
 
 Result<void> read_pen(const Input& input, DrawingOptions& options) {
-    constexpr std::string_view kUnit = "mm";
-    Input number = input;
-    if (const auto text = read_text(input); text && text->ends_with(kUnit))
-        number.value = text->substr(0, text->size() - kUnit.size());
-    return assign(options.pen_mm, read_number(number, kPens));
+    options.has_pen = true;
+    return assign(options.pen_mm, read_millimetres(input, kPens));
 }
 
 Result<void> read_speed(const Input& input, DrawingOptions& options) {
+    options.of_plotter = "speed";
     return assign(options.plotter.speed, read_number(input, kSpeeds));
 }
 
 Result<void> read_dwell(const Input& input, DrawingOptions& options) {
+    options.of_plotter = "dwell";
     return assign(options.plotter.dwell, read_number(input, kDwells));
 }
 
 Result<void> read_dwell_unit(const Input& input, DrawingOptions& options) {
+    options.of_plotter = "dwell_unit";
     static constexpr std::array<Choice<bool>, 2> kUnits = {{{"s", false}, {"ms", true}}};
     return assign(options.plotter.dwell_in_ms, read_choice<bool>(input, kUnits));
 }
 
 Result<void> read_pen_down(const Input& input, DrawingOptions& options) {
+    options.of_plotter = "pen_down";
     return assign(options.plotter.pen_down, read_command(input));
 }
 
 Result<void> read_pen_up(const Input& input, DrawingOptions& options) {
+    options.of_plotter = "pen_up";
     return assign(options.plotter.pen_up, read_command(input));
 }
 

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "api/input/option_reader.h"
 #include "core/base/result.h"
@@ -31,16 +32,21 @@ struct Plotter {
 struct DrawingOptions {
     std::optional<double> width_mm = {};  ///< width of the drawing on paper; none: the size is in pixels only
     DotStyle style = DotStyle::Fill;
-    double pen_mm = 0.3;       ///< width of the pen; not used by Fill and Stroke
+    double pen_mm = 0.3;       ///< width of the pen; not used by Fill
+    bool has_pen = false;      ///< whether the width of the pen is given; it is then the width of the dots of Stroke
     bool closed = false;       ///< whether the line of the style Path ends where it starts
     bool pen_follows = false;  ///< whether the pen is as wide as the picture needs, in the style Path
     Plotter plotter = {};
+    std::string_view of_plotter = {};  ///< name of an option of `plotter` that is given; empty: none
 
     /// Whether the drawing is made of pen strokes, which can only add ink to the paper.
     bool is_stroked() const { return style != DotStyle::Fill; }
 
     /// Whether the drawing depends on `pen_mm`.
-    bool has_pen_width() const { return style != DotStyle::Fill && style != DotStyle::Stroke && !pen_follows; }
+    bool has_pen_width() const { return style == DotStyle::Stroke ? has_pen : style != DotStyle::Fill && !pen_follows; }
+
+    /// Whether the given pen is as wide as what it draws, so that it replaces the radius of dots.
+    bool is_dot() const { return has_pen && (style == DotStyle::Stroke || style == DotStyle::Path); }
 
     /// Whether a pen fills each dot with circles or with the turns of a spiral.
     bool has_turns() const { return style == DotStyle::Circles || style == DotStyle::Spiral; }
@@ -49,18 +55,19 @@ struct DrawingOptions {
 /// Returns the name of a style, as the option `style` gives it.
 std::string_view name_of(DotStyle style);
 
+/// Reads a length in millimetres. As text, it may end with the unit mm, cm or in. Errors: Malformed.
+Result<double> read_millimetres(const Input& input, const Interval& allowed);
+
 /// Reads the option after which the function is named. Errors: Malformed.
 Result<void> read_width_mm(const Input& input, DrawingOptions& options);
 Result<void> read_style(const Input& input, DrawingOptions& options);
 Result<void> read_closed(const Input& input, DrawingOptions& options);
-
-/// Checks that only lines are closed.
-/// @param field  Error::field of errors, which are about the option `closed`
-/// Errors: Malformed.
-Result<void> check_closed(const DrawingOptions& options, const std::string& field);
-
-/// Reads the width of the pen in millimetres. As text, it may end with the unit `mm`.
 Result<void> read_pen(const Input& input, DrawingOptions& options);
+
+/// Checks that all options of pens and plotters that are given have an effect.
+/// @param has_dot  whether the radius of dots is given
+/// Errors: Malformed; Error::field is the name of the first option without effect.
+Result<void> check_effects(const DrawingOptions& options, bool has_dot);
 
 Result<void> read_speed(const Input& input, DrawingOptions& options);
 Result<void> read_dwell(const Input& input, DrawingOptions& options);

@@ -458,7 +458,11 @@ Result<SampleRequest> parse_sample(JsonValue root, const std::vector<TextOption>
     errors.add(domain);
     if (domain && draft.request.threshold_mask) errors.add(settle_mask(draft.depth, draft.request));
     errors.add(settle_format(accept, draft));
-    errors.add(check_closed(draft.request.output.drawing, draft.request.field_of("closed")));
+    const SampleOutput& output = draft.request.output;
+    errors.add(check_effects(output.drawing, output.dot.has_value()).map_error([&](Error error) {
+        error.field = draft.request.field_of(error.field);
+        return error;
+    }));
     if (draft.request.output.format != nullptr && !draft.request.threshold_mask)
         errors.add(draft.request.output.format->check_drawing(draft.request.output.drawing,
                                                               draft.request.field_of("width_mm")));

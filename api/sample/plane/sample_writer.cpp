@@ -44,6 +44,9 @@ double pitch_of(const Domain& domain, std::size_t sites) {
 /// box; a dot of that size covers the box wherever its centre lies in the box.
 double radius_of(const SampleRequest& request, const Domain& domain) {
     const double largest = 2 * std::max(domain.bounds().width(), domain.bounds().height());
+    const DrawingOptions& drawing = request.output.drawing;
+    if (drawing.is_dot() && drawing.width_mm)
+        return std::min(drawing.pen_mm / 2 * domain.bounds().width() / *drawing.width_mm, largest);
     return std::min(request.output.dot.value_or(pitch_of(domain, request.run.sites) / 4), largest);
 }
 

@@ -646,14 +646,46 @@ TEST(HalftoneOptions, RejectUnsupportedSidesOfDots) {
     }
 }
 
+TEST(HalftoneOptions, OfAPenGiveTheRadiusOfStrokes) {
+    const auto strokes = parse({{"style", "stroke"}, {"pen", "0.5"}, {"width_mm", "90"}});
+    ASSERT_TRUE(strokes && strokes->dot);
+    EXPECT_EQ(strokes->dot->length, 0.25);
+    EXPECT_TRUE(strokes->dot->millimetres);
+    EXPECT_FALSE(parse({{"style", "spiral"}, {"pen", "0.5"}, {"width_mm", "90"}})->dot);
+}
+
+TEST(HalftoneOptions, WithoutEffectAreRejected) {
+    const std::vector<std::pair<Options, std::string>> wrong = {
+        {{{"pen", "0.5"}}, "pen"},
+        {{{"pen", "0.5"}, {"format", "gcode"}, {"width_mm", "90"}}, "pen"},
+        {{{"pen", "0.5"}, {"style", "stroke"}}, "pen"},
+        {{{"pen", "0.5"}, {"style", "stroke"}, {"dot", "2"}, {"width_mm", "90"}}, "dot"},
+        {{{"pen", "0.5"}, {"style", "path"}, {"dot", "2"}, {"width_mm", "90"}}, "dot"},
+        {{{"speed", "50"}}, "speed"},
+        {{{"pen_up", "M5"}}, "pen_up"}};
+    for (const auto& [options, field] : wrong) {
+        const auto request = parse(options);
+        ASSERT_FALSE(request) << field;
+        EXPECT_EQ(request.error().code, ErrorCode::Malformed) << field;
+        EXPECT_EQ(request.error().field, field);
+    }
+}
+
+TEST(HalftoneOptions, HaveLengthsWithUnits) {
+    EXPECT_EQ(parse({{"width_mm", "20cm"}})->drawing.width_mm, 200);
+    EXPECT_EQ(parse({{"width_mm", "10in"}})->drawing.width_mm, 254);
+    EXPECT_EQ(parse({{"width_mm", "9mm"}})->drawing.width_mm, 9);
+    for (const char* wrong : {"cm", "1001cm", "9m", "0.05cm"}) EXPECT_FALSE(parse({{"width_mm", wrong}})) << wrong;
+}
+
 TEST(HalftoneOptions, OfPlottersHaveTheirDefaultsAndLimits) {
     const auto usual = parse({});
     EXPECT_EQ(usual->drawing.pen_mm, 0.3);
     EXPECT_EQ(usual->drawing.plotter.speed, 100);
     EXPECT_EQ(usual->drawing.plotter.dwell, 0.075);
     EXPECT_EQ(usual->drawing.plotter.pen_down, "M3 S1000");
-    EXPECT_EQ(parse({{"pen", "0.5mm"}})->drawing.pen_mm, 0.5);
-    EXPECT_EQ(parse({{"pen_up", "G0 Z2|S0"}})->drawing.plotter.pen_up, "G0 Z2|S0");
+    EXPECT_EQ(parse({{"style", "path"}, {"pen", "0.5mm"}})->drawing.pen_mm, 0.5);
+    EXPECT_EQ(parse({{"pen_up", "G0 Z2|S0"}, {"width_mm", "90"}})->drawing.plotter.pen_up, "G0 Z2|S0");
     const std::vector<Options> wrong = {{{"pen", "0.001"}},
                                         {{"pen", "1e308"}},
                                         {{"pen", "1e-308mm"}},

@@ -627,6 +627,8 @@ TEST(Sample, DrawsForPlottersAtTheEndsOfRanges) {
                 for (const std::string drawing :
                      {R"("width_mm":1)", R"("width_mm":10000,"dot":5e-324)", R"("width_mm":1,"dot":1e308,"pen":100)",
                       R"("width_mm":10000,"dot":1e308,"pen":0.01)"}) {
+                    const bool has_turns = style == "circles" || style == "spiral";
+                    if (!has_turns && drawing.find("pen") != std::string::npos) continue;
                     const std::string body = R"({"sites":3,"domain":{"type":"rectangle","width":)" + side +
                                              R"(,"height":)" + side + R"(},"format":")" + format + R"(","style":")" +
                                              style + "\"," + drawing + '}';
