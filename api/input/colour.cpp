@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <string>
 #include <string_view>
 
+#include "api/input/colour_names.h"
 #include "api/text/text.h"
 
 namespace ccdt::api {
@@ -15,6 +17,14 @@ namespace {
 std::optional<unsigned char> parse_channel(std::string_view digits) {
     const auto value = parse_number<unsigned char>(digits, 16);
     return value && digits.size() == 1 ? static_cast<unsigned char>(*value * 17) : value;
+}
+
+/// Returns the value of a name of CSS as #rrggbb, and any other text unchanged.
+std::string_view value_of(std::string_view text) {
+    constexpr std::size_t kValue = 7;
+    const bool is_word = !text.empty() && std::ranges::all_of(text, [](char c) { return c >= 'a' && c <= 'z'; });
+    const std::size_t at = is_word ? kColourNames.find(' ' + std::string(text) + ' ') : std::string_view::npos;
+    return at == std::string_view::npos ? text : kColourNames.substr(at + text.size() + 2, kValue);
 }
 
 std::optional<Colour> parse_colour(std::string_view text) {
@@ -49,8 +59,10 @@ std::string hexadecimal(const Colour& colour) {
 Result<Colour> read_colour(const Input& input) {
     const auto text = read_text(input);
     if (!text) return tl::unexpected(text.error());
-    if (const auto colour = parse_colour(*text)) return *colour;
-    return malformed(input, "must be a colour as #rgb or #rrggbb (in a query, # is written %23)");
+    if (const auto colour = parse_colour(value_of(*text))) return *colour;
+    // In a URL, # begins the fragment, which is not sent.
+    const std::string hint = text->empty() ? " (in a URL, # is written %23)" : "";
+    return malformed(input, "must be a colour: #rgb, #rrggbb or a name of CSS such as teal" + hint);
 }
 
 Result<std::vector<Colour>> read_colours(const Input& input, std::size_t min, std::size_t max) {

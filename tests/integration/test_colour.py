@@ -262,7 +262,7 @@ class Options(ServerCase):
                 ("color=pink", "color", "'gray' or 'cmyk' or 'rgb'"),
                 ("palette=", "palette", "1 to 6 colours"),
                 ("palette=%23000,%23111,%23222,%23333,%23444,%23555,%23666", "palette", "1 to 6 colours"),
-                ("palette=%23000,red", "palette", "colour 2 must be a colour as #rgb or #rrggbb"),
+                ("palette=%23000,reds", "palette", "colour 2 must be a colour: #rgb, #rrggbb"),
                 ("palette=%23fff,%23ffffff", "palette", "colour 2 repeats an earlier colour"),
                 ("palette=%23000&color=cmyk", "palette", "give only one of them"),
                 ("color=cmyk&foreground=%23f00", "foreground", "color=gray"),

@@ -360,19 +360,19 @@ class Options(ContractCase):
         self.assertEqual(tried - alike, set(others))
 
     def test_accept_documented_colours(self):
-        for colour in ("#abc", "#aBcDeF"):
+        for colour in ("#abc", "#aBcDeF", "teal"):
             self.take("/halftone", "foreground", colour)
             self.take("/halftone", "background", colour)
-        for colour in ("red", "#abcd", "abc", "transparent"):
+        for colour in ("Red", "#abcd", "012", "dark red"):
             self.refuse("/halftone", "foreground", colour)
         self.assertEqual(pixels(self.pose("/halftone", {**self.base("/halftone"), "format": "png",
                                                        "background": "transparent"}).body, "RGBA")[..., 3].min(), 0)
 
     def test_accept_documented_palettes(self):
         six = [f"#00{digit}" for digit in range(6)]
-        for palette in ("#abc", "#abc, #aBcDeF ,#000", ["#abc"], ["#abc", "#aBcDeF"], ",".join(six), six):
+        for palette in ("#abc", "#abc, #aBcDeF ,black", ["#abc"], ["#abc", "#aBcDeF"], ",".join(six), six):
             self.take("/halftone", "palette", palette)
-        for palette in ("", "red", "#abc,", "#abc #000", [], ["red"], [7], 7, ["#abc", "#abc"], six + ["#abc"],
+        for palette in ("", "Red", "#abc,", "#abc #000", [], ["Red"], [7], 7, ["#abc", "#abc"], six + ["#abc"],
                         ",".join(six + ["#abc"])):
             self.refuse("/halftone", "palette", palette)
 

@@ -106,7 +106,7 @@ class HalftoneOptions(ServerCase):
                       f"seed={2 ** 53}", "iterations=1001", "passes=0", "passes=101", "scale=0", "scale=17",
                       "scale=nan", "scale=1e400", "dot=-1", "dot=inf", "antialias=maybe", "dots=all", "invert=2",
                       "tone=loud",
-                      "foreground=red", "foreground=transparent", "background=%2312"):
+                      "foreground=reds", "foreground=transparent", "background=%2312"):
             with self.subTest(query=query):
                 problem = self.refuse(query)
                 self.assertEqual(problem["errors"][0]["pointer"], query.split("=")[0])
@@ -119,7 +119,7 @@ class HalftoneOptions(ServerCase):
         self.assertEqual(pointers(problem), ["sites", "scale"])
         self.assertEqual(problem["detail"], "; ".join(error["detail"] for error in problem["errors"]))
         self.refuse("sites=0", data=b"no image", words=("sites", "PNG, JPEG"))
-        self.assertEqual(pointers(self.refuse("dot=1mm&palette=red&color=cmyk&sites=x")), ["palette", "sites"])
+        self.assertEqual(pointers(self.refuse("dot=1mm&palette=reds&color=cmyk&sites=x")), ["palette", "sites"])
         self.assertEqual(pointers(self.refuse("dot=1mm&palette=%23f00&color=cmyk")), ["palette", "dot"])
         for path, body, expected in (
                 ("/halftone", {"sites": 0, "scale": 99}, ["/sites", "/scale", "/image"]),

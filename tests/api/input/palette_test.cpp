@@ -62,7 +62,7 @@ TEST(Palette, IsReadFromText) {
 }
 
 TEST(Palette, IsReadFromJson) {
-    const auto document = JsonDocument::parse(R"([["#f00","#00f"],"#f00,#00f",[],["#f00","red"],["#f00","#ff0000"],[7],
+    const auto document = JsonDocument::parse(R"([["#f00","#00f"],"#f00,#00f",[],["#f00","reds"],["#f00","#ff0000"],[7],
                                                   7,["#000","#111","#222","#333","#444","#555","#666"]])");
     std::vector<JsonValue> values;
     for (const JsonValue value : document->root()) values.push_back(value);
@@ -80,7 +80,7 @@ TEST(Palette, IsReadFromJson) {
 TEST(Palette, IsRefusedWithTheFieldOfTheError) {
     expect_refused(text(""), "must have 1 to 6 colours", "palette");
     expect_refused(text("#000,#111,#222,#333,#444,#555,#666"), "must have 1 to 6 colours", "palette");
-    expect_refused(text("#000,"), "colour 2 must be a colour as #rgb or #rrggbb", "palette");
+    expect_refused(text("#000,"), "colour 2 must be a colour: #rgb, #rrggbb", "palette");
     expect_refused(text("#000,transparent"), "colour 2 must be a colour", "palette");
     expect_refused(text("#abc,#000,#aabbcc"), "colour 3 repeats an earlier colour: #aabbcc", "palette");
 }
