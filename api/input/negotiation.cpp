@@ -105,6 +105,7 @@ std::string list(std::span<const FileFormat* const> formats, std::string_view Fi
 Result<std::size_t> format_of_suffix(std::string_view suffix, std::span<const FileFormat* const> offered) {
     std::string name = lower(suffix.substr(std::min<std::size_t>(suffix.size(), 1)));
     if (name == "tif") name = "tiff";
+    if (name == "nc" || name == "ngc" || name == "gc") name = "gcode";
     const auto matches = [&](const FileFormat* format) { return format->extension == name || format->name == name; };
     const auto found = std::find_if(offered.begin(), offered.end(), matches);
     if (found != offered.end()) return static_cast<std::size_t>(found - offered.begin());

@@ -19,7 +19,7 @@ namespace ccdt::api {
 Result<std::size_t> read_format(const Input& input, std::span<const FileFormat* const> offered);
 
 /// Finds the format that the suffix of a file's name stands for. A suffix is the extension or the name of a format, in
-/// lower or upper case, or `.tif`.
+/// lower or upper case, or `.tif`, `.nc`, `.ngc` or `.gc`.
 /// @param suffix   with the dot; empty if the name has no suffix
 /// @param offered  formats that the endpoint writes; the first one with the suffix is chosen
 /// @returns        index of the format

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "api/text/numbers.h"
+#include "api/text/text.h"
 #include "server/flags/flag_values.h"
 #include "server/processes/process.h"
 
@@ -89,6 +91,29 @@ Result<void> set_option(const Written& written, const std::string& value, Argume
     return {};
 }
 
+/// Replaces a number such as `20k` by one without the letter.
+void expand_thousands(std::string& value) {
+    if (!value.ends_with('k')) return;
+    const auto number = api::parse_number<double>(std::string_view(value).substr(0, value.size() - 1));
+    if (!number) return;
+    value.clear();
+    api::append_fixed(value, 1000 * *number, 6);
+}
+
+/// Replaces a domain in the plane that is given as a word, with the options --width and --height, by an object.
+void name_sides_of_domain(Arguments& arguments) {
+    const auto find = [&](std::string_view name) {
+        return std::ranges::find(arguments.given, name, [](const auto& each) { return each.option->name; });
+    };
+    const auto end = arguments.given.end(), domain = find("domain"), width = find("width"), height = find("height");
+    if (domain == end || width == end || height == end || find("depth") != end || !arguments.inputs.empty()) return;
+    if (domain->value != "rectangle" && domain->value != "torus") return;
+    domain->value =
+        R"({"type":")" + domain->value + R"(","width":)" + width->value + R"(,"height":)" + height->value + '}';
+    std::erase_if(arguments.given,
+                  [](const auto& each) { return each.option->name == "width" || each.option->name == "height"; });
+}
+
 }  // namespace
 
 const std::string* Arguments::find(std::string_view name) const {
@@ -127,11 +152,13 @@ Result<Arguments> parse_arguments(std::span<const Option> options, std::span<con
             written->value = arguments[i];
         }
         if (!option.member.empty()) {
+            if (option.takes_number) expand_thousands(*written->value);
             result.given.push_back({&option, *std::move(written->value)});
         } else if (auto set = set_option(*written, *written->value, result); !set) {
             return tl::unexpected(set.error());
         }
     }
+    name_sides_of_domain(result);
     return result;
 }
 

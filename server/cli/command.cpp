@@ -97,7 +97,8 @@ const std::array kProgramOptions = {
            .value = "FILE",
            .description =
                "File of the answer, or - for standard output. With several inputs, {name} in FILE stands for the name "
-               "of the input's file without its suffix. The suffix of FILE chooses the format, unless --format is "
+               "of the input's file without its suffix. A folder stands for {name} in it. The suffix of FILE chooses "
+               "the format, unless --format is "
                "given. An existing file is replaced once the answer is complete. Without this option, the answer goes "
                "to standard output, but only text goes to a terminal.",
            .takes_text = true,

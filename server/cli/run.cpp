@@ -53,8 +53,15 @@ tl::unexpected<Failed> wrong_usage(std::string message) {
     return failed(kWrongUsage, {ErrorCode::Malformed, std::move(message), {}});
 }
 
-/// Replaces `{name}` in the name of an output by the name of the input without folder and suffix.
-std::string output_for(const std::string& input, std::string output) {
+/// Returns the name of the output of an input. A folder stands for the files `{name}` in it, with the suffix of the
+/// format. Replaces `{name}` by the name of the input without folder and suffix.
+std::string output_for(const Command& command, const Arguments& arguments, const std::string& input) {
+    std::string output = arguments.output.value_or(std::string(kStandardStream));
+    std::error_code missing;
+    if (output.ends_with('/') || std::filesystem::is_directory(output, missing)) {
+        const auto format = find_format(command, arguments, std::string(kStandardStream));
+        output += (output.ends_with('/') ? "{name}." : "/{name}.") + std::string((*format)->extension);
+    }
     constexpr std::string_view kPlaceholder = "{name}";
     const std::string name = input == kStandardStream ? "stdin" : std::filesystem::path(input).stem().string();
     for (std::size_t at = 0; (at = output.find(kPlaceholder, at)) != std::string::npos; at += name.size())
@@ -87,7 +94,7 @@ tl::expected<std::vector<Task>, Failed> plan_tasks(const Command& command, const
     std::vector<Task> tasks;
     std::map<std::string, std::string> input_of;  ///< by position_of() the output
     for (const std::string& input : inputs) {
-        const Task task{input, output_for(input, arguments.output.value_or(std::string(kStandardStream)))};
+        const Task task{input, output_for(command, arguments, input)};
         const api::OutputTarget target = output_target(task.output);
         if (target.is_replaced || target.descriptor >= 0) {
             const auto [other, is_new] = input_of.try_emplace(position_of(target), input);

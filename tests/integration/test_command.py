@@ -189,8 +189,7 @@ class Files(Folder):
                  (2, (PICTURE, OTHER), "have the same output, standard output"),
                  (2, (own, "-o", f"{self.folder}/{{name}}.png"), f"would replace the input {own}"),
                  (2, (PICTURE, "-o", self.folder / "a.jpg"), ".png, .json, .svg"),
-                 (4, (PICTURE, "-o", self.folder / "no" / "a.svg"), f"{self.folder}/no: No such file or directory"),
-                 (4, (PICTURE, "-o", self.folder), "Is a directory"))
+                 (4, (PICTURE, "-o", self.folder / "no" / "a.svg"), f"{self.folder}/no: No such file or directory"))
         for status, arguments, message in cases:
             with self.subTest(message):
                 self.assert_fails(run("halftone", *arguments, "--format=svg" if status == 4 else "-q"), status, message)
@@ -383,6 +382,24 @@ class Errors(Folder):
                         source.stdout.close()
                     self.assertIn("(--memory)", message)
                     self.assertLess(peak, 300 << 20)
+
+    def test_outputs_can_be_in_a_folder(self):
+        self.assert_done(run("halftone", PICTURE, OTHER, "-o", self.folder, "--sites=100"))
+        self.assert_done(run("halftone", PICTURE, "-o", f"{self.folder}/", "--sites=100", "--format=hpgl", "--width-mm=100"))
+        self.assertEqual(self.names(), sorted([f"{PICTURE.stem}.png", f"{OTHER.stem}.png", f"{PICTURE.stem}.plt"]))
+        self.assert_done(run("halftone", PICTURE, "-o", self.folder / "a.nc", "--sites=100", "--width-mm=100"))
+        self.assertTrue((self.folder / "a.nc").read_bytes().startswith(b"; 100 dots"))
+
+    def test_numbers_can_be_thousands(self):
+        sample = ("sample", "--domain", TORUS, "--iterations=0", "--format=csv")
+        self.assertEqual(self.assert_done(run(*sample, "--sites=1.2k")), self.assert_done(run(*sample, "--sites=1200")))
+        self.assert_fails(run(*sample, "--seed=k", "--sites=9"), 2, "--seed", "'k'")
+
+    def test_domains_of_the_plane_can_be_words(self):
+        for word in ("torus", "rectangle"):
+            domain = json.dumps({"type": word, "width": 2, "height": 1})
+            self.assertEqual(self.assert_done(run("sample", "--domain", word, "--width=2", "--height=1", "--sites=50", "--format=csv")),
+                             self.assert_done(run("sample", "--domain", domain, "--sites=50", "--format=csv")))
 
     def test_report_all_wrong_options_once(self):
         result = run("halftone", PICTURE, OTHER, "-o", f"{self.folder}/{{name}}.png", "--sites=0", "--scale=99")

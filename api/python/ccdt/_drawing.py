@@ -16,7 +16,7 @@ from .errors import Error
 
 def _formats() -> Dict[str, str]:
     """Returns the format of each extension of file names."""
-    formats = {"tif": "tiff"}
+    formats = {"tif": "tiff", "nc": "gcode", "ngc": "gcode", "gc": "gcode"}
     for name, extension in _core.file_extensions():
         formats.setdefault(extension, name)
         formats.setdefault(name, name)
