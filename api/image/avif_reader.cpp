@@ -103,7 +103,7 @@ private:
 };
 
 tl::unexpected<Error> not_read(const std::string& kind) {
-    return failure(ErrorCode::Unusable, "the server does not read this kind of image: an AVIF with " + kind);
+    return failure(ErrorCode::Unusable, "there is no support for this kind of image: an AVIF with " + kind);
 }
 
 }  // namespace

@@ -286,7 +286,7 @@ Result<RowSource> open_bmp(std::string_view bytes) {
     if (!layout) return broken_image();
     if (!is_known(*layout)) {
         return failure(ErrorCode::Unusable,
-                       "the server does not read this kind of image: a BMP with " + std::to_string(layout->bits) +
+                       "there is no support for this kind of image: a BMP with " + std::to_string(layout->bits) +
                            " bits per pixel and compression method " + std::to_string(layout->compression));
     }
     const auto pixels = std::make_shared<Pixels>(bytes, *layout);

@@ -163,7 +163,7 @@ tl::unexpected<Error> refuse(const heif_error& error) {
     if (error.code != heif_error_Unsupported_feature && error.code != heif_error_Unsupported_filetype)
         return broken_image();
     return failure(ErrorCode::Unusable,
-                   "the server does not read this kind of image: a HEIC with features that libheif does not support");
+                   "there is no support for this kind of image: a HEIC with features that libheif does not support");
 }
 
 /// Decodes an item, without its crop, rotation and mirroring, to interleaved red, green and blue and, if the item has

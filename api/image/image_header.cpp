@@ -87,7 +87,7 @@ Result<ImageHeader> read_jpeg(std::string_view bytes) {
     const auto channels = reader.read(5, 1);
     if (!channels) return broken_image();
     if (const std::string kind = unread_jpeg(*frame); !kind.empty())
-        return failure(ErrorCode::Unusable, "the server does not read this kind of image: " + kind);
+        return failure(ErrorCode::Unusable, "there is no support for this kind of image: " + kind);
     ImageHeader header{ImageFormat::Jpeg, *width, *height, 0};
     // A baseline picture may have several scans, too. Its frame header does not state the number.
     constexpr uint64_t kCoefficient = 2;  // bytes
@@ -256,7 +256,7 @@ constexpr uint64_t kMaxCropped = 4;
 Result<ImageHeader> read_heif(std::string_view bytes, ImageFormat format, std::span<const Chunk> properties,
                               uint64_t longest_side, const std::string& kind) {
     if (properties.empty() && heif_frames(bytes) > 0)
-        return failure(ErrorCode::Unusable, "the server does not read this kind of image: " + kind +
+        return failure(ErrorCode::Unusable, "there is no support for this kind of image: " + kind +
                                                 " with an image sequence without a still picture");
     const auto view = heif_view(properties);
     if (!view)
@@ -294,10 +294,9 @@ Result<ImageHeader> read_heic(std::string_view bytes) {
     constexpr uint64_t kTileBytes = 32U << 20;  // for the decoder, which keeps several pictures of the size of a tile
     const std::vector<std::string_view> types = heif_item_types(bytes);
     if (!types.empty() && std::ranges::find(types, "hvc1") == types.end())
-        return failure(
-            ErrorCode::Unusable,
-            "the server does not read this kind of image: a HEIF with a picture that is not coded in HEVC (" +
-                std::string(types[0]) + ')');
+        return failure(ErrorCode::Unusable,
+                       "there is no support for this kind of image: a HEIF with a picture that is not coded in HEVC (" +
+                           std::string(types[0]) + ')');
     const std::vector<Chunk> properties = heif_properties(bytes);
     auto header = read_heif(bytes, ImageFormat::Heic, properties, kMaxHeicSide, "a HEIC");
     if (!header) return header;
@@ -428,8 +427,7 @@ Result<ImageFormat> recognise_image(std::string_view bytes) {
     if (is_avif(bytes)) return ImageFormat::Avif;
     if (is_heic(bytes)) return ImageFormat::Heic;
     const std::string_view kind = kind_of_file(bytes);
-    return failure(ErrorCode::Unsupported, "this is " +
-                                               std::string(kind.empty() ? "not an image the server can read" : kind) +
+    return failure(ErrorCode::Unsupported, "this is " + std::string(kind.empty() ? "not a supported image" : kind) +
                                                std::string(kPictureFormats));
 }
 

@@ -107,7 +107,7 @@ Number field(TIFF* tiff, std::uint32_t tag) {
 }
 
 tl::unexpected<Error> unusual(const std::string& what) {
-    return failure(ErrorCode::Unusable, "the server does not read this kind of TIFF: " + what);
+    return failure(ErrorCode::Unusable, "there is no support for this kind of TIFF: " + what);
 }
 
 bool is_fax(std::uint16_t compression) {

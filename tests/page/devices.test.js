@@ -208,7 +208,7 @@ test("shares the user's picture with the panel for halftones, and keeps the resu
   assert.match(await page.textContent("#devices pre"), /@camera\.png/);
   await page.setInputFiles("#devices .file", { name: "letter.txt", mimeType: "text/plain", buffer: Buffer.from("Dear reader") });
   await settled(page, "devices", "failed");
-  assert.match(await page.textContent("#devices .general"), /^This file is not an image/);
+  assert.match(await page.textContent("#devices .general"), /^This file is not a supported image: /);
   assert.match(await page.textContent("#devices .status"), /^100 \u00d7 100 pixels/);
   assert.match(await page.textContent("#devices pre"), /@camera\.png/);
   await page.click("#tab-halftone");

@@ -35,7 +35,7 @@ test("shows the error of a file that is not a picture", async () => {
   await settled(page, "halftone");
   await page.setInputFiles("#halftone .file", { name: "letter.txt", mimeType: "text/plain", buffer: Buffer.from("Dear reader") });
   await settled(page, "halftone", "failed");
-  assert.equal(await page.textContent("#halftone .general"), "This file is not an image the server can read: this is text");
+  assert.equal(await page.textContent("#halftone .general"), "This file is not a supported image: this is text");
   assert.match(await page.textContent("#halftone .status"), /^20,000 dots/);
   assert.match(await page.textContent("#halftone pre"), /astronaut\.jpg/);
   assert.equal(await page.evaluate(() => location.hash), "#halftone");

@@ -47,7 +47,7 @@ test("a file that is not a picture leaves the shown picture", async () => {
   await page.setInputFiles("#halftone .file", { name: "broken.png", mimeType: "image/png", buffer: broken });
   await settled(page, "halftone", "failed");
   assert.equal(await dark("halftone"), before);
-  assert.match(await page.textContent("#halftone .general"), /^This file is not an image the server can read: /);
+  assert.match(await page.textContent("#halftone .general"), /^This file is not a supported image: /);
   assert.equal(await page.getAttribute("#halftone [data-sample='astronaut.jpg']", "aria-pressed"), "true");
   await page.click("#halftone [data-sample='cat.jpg']");
   await settled(page, "halftone");

@@ -244,6 +244,13 @@ def test_errors_name_the_field_and_the_limit(arguments, options, field, text):
         ccdt.sample(*arguments, **options)
 
 
+def test_errors_do_not_speak_of_servers_and_urls():
+    with raises("multipoint", "the limit is 2000000"):
+        raise ccdt.Error._of("limit_exceeded", [("/multipoint", "there are 3; this server's limit (max-sites) is 2000000")])
+    with raises("foreground", "must be a colour: #rgb, #rrggbb or a name of CSS such as teal$"):
+        ccdt.halftone(np.zeros((4, 4)), 9, foreground="pale")
+
+
 @pytest.mark.parametrize(("call", "field", "text"), [
     (lambda array: ccdt.sample(array, 5), "polygon/1/0", "polygon[1][0] must be finite, not masked"),
     (lambda array: ccdt.sample(SQUARE, 5, fixed=array), "fixed/1/0", "fixed[1][0] must be finite, not masked"),

@@ -3,9 +3,15 @@
 
 from __future__ import annotations
 
+import re
 import sys
 import warnings
 from typing import Any, Iterable, Mapping, Optional, Tuple
+
+
+def _without_service(message: str) -> str:
+    """Replaces the words of a message that only make sense to clients of a server."""
+    return re.sub(r"this server's limit \([^)]*\)", "the limit", re.sub("^the body", "the input", message))
 
 
 class Error(ValueError):
@@ -32,7 +38,7 @@ class Error(ValueError):
     @classmethod
     def _of(cls, code: str, errors: Iterable[Tuple[str, str]]) -> Error:
         """Creates an error from the errors of the extension module, of which the first one decides the field."""
-        found = [(field.lstrip("/"), message) for field, message in errors]
+        found = [(field.lstrip("/"), _without_service(message)) for field, message in errors]
         return cls("; ".join(message for _, message in found), code=code, field=found[0][0], errors=found)
 
     def __reduce__(self) -> Tuple[Any, ...]:

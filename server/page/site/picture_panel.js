@@ -240,8 +240,8 @@ export class PicturePanel extends Panel {
     const isUnreadable = problem && this.#isUnreadable(problem);
     if (isUnreadable) {
       const text = problem.message.replace(/; (the supported formats|accepted) are .*$/, "");
-      const rest = text.replace(/^this is not an image the server can read/, "");
-      problem.message = `This file is not an image the server can read${rest === text ? ": " : ""}${rest}`;
+      const rest = text.replace(/^this is not a supported image/, "");
+      problem.message = `This file is not a supported image${rest === text ? ": " : ""}${rest}`;
     }
     super.show(problem);
     if (isUnreadable && this.#before?.shown.status) this.#goBack();

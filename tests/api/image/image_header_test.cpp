@@ -111,7 +111,7 @@ TEST(ImageHeader, RefusesOtherFormatsByName) {
         {"hello", "text"},
         {"BMW and other cars, and a text", "text"},
         {"\x89PNG\x1a\1", "a damaged PNG"},
-        {"\x88PNG\x1a\1", "not an image the server can read"},
+        {"\x88PNG\x1a\1", "not a supported image"},
     };
     for (const auto& [bytes, name] : others) {
         const auto header = read_image_header(bytes, kMaxPixels);
