@@ -100,7 +100,8 @@ public:
         : PlotterFile(plot, body, stop),
           feed_(60 * plot.plotter.speed),
           down_(movement(plot.plotter.pen_down, plot.plotter)),
-          up_(movement(plot.plotter.pen_up, plot.plotter)) {}
+          up_(movement(plot.plotter.pen_up, plot.plotter)),
+          commands_set_feed_((down_ + up_).find_first_of("Ff") != std::string::npos) {}
 
     void initialise(const Plot& plot) { write("; ", plot.description(), "\nG21\nG90\n", up_); }
 
@@ -115,6 +116,7 @@ public:
     void begin(Point at) {
         move("G0", at);
         write("\n", down_);
+        if (commands_set_feed_) is_feed_told_ = false;
     }
 
     void line_to(Point at) {
@@ -146,6 +148,7 @@ private:
     double feed_;  ///< speed of the pen, mm per minute
     std::string down_;
     std::string up_;
+    bool commands_set_feed_;  ///< whether the commands of the pen change the speed, which then must be set again
     bool is_feed_told_ = false;
 };
 

@@ -62,6 +62,19 @@ TEST(Gcode, HasTheCommandsOfTheMachine) {
               "M0\n; PEN 2 BLACK\nG0 X0.1 Y0\nG1 Z-1 F300\nS5\nG0 Z2\nG0 X0 Y0\nM2\n");
 }
 
+TEST(Gcode, SetsTheSpeedAgainAfterCommandsThatChangeIt) {
+    DrawingOptions drawing{.style = DotStyle::Circles, .pen_mm = 0.5};
+    const auto speeds = [&] {
+        const std::string file = written(write_gcode, drawing);
+        std::size_t count = 0;
+        for (std::size_t at = 0; (at = file.find(" F6000\n", at)) != std::string::npos; ++at) ++count;
+        return count;
+    };
+    EXPECT_EQ(speeds(), 2U);  // once for each pen
+    drawing.plotter.pen_down = "G1 Z-1 F300";
+    EXPECT_EQ(speeds(), 3U);  // once for each dot
+}
+
 TEST(Dxf, HasALayerForEachPen) {
     const std::string file = written(write_dxf, {});
     EXPECT_TRUE(file.starts_with("0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n"));
