@@ -70,8 +70,9 @@ class Page(ServerCase):
         for name in ("surface_", "volume_", "mask."):
             self.assertLess(sum(size for path, size in packed.items() if path.startswith("/assets/" + name)), 8_500)
         first = loaded_first()
-        self.assertIn("/assets/sample.js", first)
-        self.assertNotIn("/assets/analyze.js", first)
+        self.assertIn("/assets/halftone.js", first)
+        for name in ("devices", "sample", "analyze"):  # panels that are loaded when they are opened
+            self.assertNotIn(f"/assets/{name}.js", first)
         self.assertLess(sum(packed[path] for path in first), 80_000)
         for path, content in own.items():
             self.assertLess(len(content), 60_000, path)

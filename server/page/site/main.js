@@ -3,26 +3,24 @@
 
 import { readAddress, writeAddress } from "./address.js";
 import { capabilities, setKey } from "./api.js";
-import { Devices } from "./devices.js";
 import { acceptDrops } from "./dom.js";
 import { Halftone } from "./halftone.js";
-import { Sample } from "./sample.js";
 
 const tabs = [...document.querySelectorAll("[role=tab]")];
 const nameOf = (tab) => tab.getAttribute("aria-controls");
 
-const halftone = new Halftone(document.getElementById("halftone"));
-const devices = new Devices(document.getElementById("devices"));
-const sample = new Sample(document.getElementById("sample"));
-const panels = { halftone, devices, sample };
+const panels = { halftone: new Halftone(document.getElementById("halftone")) };
+const loaders = {
+  devices: async (element) => new (await import("./devices.js")).Devices(element),
+  sample: async (element) => new (await import("./sample.js")).Sample(element),
+  analyze: async (element) => new (await import("./analyze.js")).Analyze(element, { halftone: panels.halftone, sample: await panelNamed("sample") }),
+};
+const loading = {};
 
-/** Returns a panel. The panel that analyzes points is loaded when it is first needed. */
+/** Returns a panel. Panels other than the first are loaded when they are first needed. */
 async function panelNamed(name) {
-  if (!panels[name]) {
-    const { Analyze } = await import("./analyze.js");
-    panels[name] ??= new Analyze(document.getElementById(name), { halftone, sample });
-  }
-  return panels[name];
+  loading[name] ??= loaders[name]?.(document.getElementById(name));
+  return panels[name] ??= await loading[name];
 }
 
 function select(tab) {
@@ -60,9 +58,9 @@ for (const tab of tabs) {
   element.addEventListener("settings", ({ detail }) => {
     if (!element.hidden) writeAddress(nameOf(tab), panels[nameOf(tab)].state(), detail.isStep);
   });
-  element.addEventListener("elsewhere", ({ detail: { file, panel: name } }) => {
+  element.addEventListener("elsewhere", async ({ detail: { file, panel: name } }) => {
     select(tabs.find((one) => nameOf(one) === name));
-    panels[name].take(file);
+    (await panelNamed(name)).take(file);
   });
 }
 document.querySelector("[role=tablist]").addEventListener("keydown", ({ key }) => {
