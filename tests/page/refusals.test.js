@@ -20,21 +20,38 @@ const dark = (panel) => world.page.locator(`#${panel} canvas:not(.of-surfaces)`)
 
 const visibleError = (panel) => world.page.locator(`#${panel} .general`).boundingBox();
 
-test("a refused shape shows no points of the previous one", async () => {
+test("a refused file leaves the shown shape, its settings and its points", async () => {
   const { page } = world;
-  await page.goto(`${world.url}/#sample?shape=polygon`);
+  await page.goto(`${world.url}/#sample`);
   await settled(page, "sample");
-  await page.setInputFiles("#sample .file", path.join(data, "polygons/Italy-110m.geojson"));
+  const seen = async () => [await page.locator("#sample canvas.of-planes").evaluate((canvas) => canvas.toDataURL()), await page.textContent("#sample pre"), await page.evaluate(() => location.hash),
+    await page.isVisible("#sample .trace"), await page.textContent("#sample .legend"), await page.inputValue("#shape")];
+  const flat = JSON.stringify({ type: "Polygon", coordinates: [[[0, 0], [1, 1], [2, 2], [0, 0]]] });
+  const refused = [["flat.json", flat, "the polygon has no area"], ["flat.obj", "v 0 0 0\nv 1 1 1\nf 1 2 2\n", "no triangle has an area"],
+    ["cut.npy", "\x93NUMPY (2, 2, 2)", "the NPY file must have the version 1, 2 or 3"]];
+  for (const own of [false, true]) {
+    if (own) {
+      await page.setInputFiles("#sample .file", path.join(data, "polygons/Italy-110m.geojson"));
+      await settled(page, "sample");
+      assert.ok((await dark("sample")) > 1000);
+    }
+    const before = await seen();
+    for (const [name, text, reason] of refused) {
+      await page.setInputFiles("#sample .file", { name, mimeType: "", buffer: Buffer.from(text, "latin1") });
+      await settled(page, "sample", "failed");
+      assert.equal(await page.textContent("#sample .general"), `${name} cannot be used: ${reason}`);
+      assert.deepEqual(await seen(), before, name);
+    }
+    const { y, height } = await visibleError("sample");
+    assert.ok(y >= 0 && y + height <= page.viewportSize().height);
+  }
+  await page.reload();
   await settled(page, "sample");
-  assert.ok((await dark("sample")) > 1000);
-  const flat = { type: "Polygon", coordinates: [[[0, 0], [1, 1], [2, 2], [0, 0]]] };
-  await page.setInputFiles("#sample .file", { name: "flat.json", mimeType: "application/json", buffer: Buffer.from(JSON.stringify(flat)) });
-  await settled(page, "sample", "failed");
-  assert.equal(await dark("sample"), 0);
-  assert.ok(await page.isHidden("#sample .trace"));
-  assert.equal(await page.textContent("#sample .status"), "");
-  const { y, height } = await visibleError("sample");
-  assert.ok(y >= 0 && y + height <= page.viewportSize().height);
+  assert.match(await page.textContent("#sample pre"), /Italy-110m/);
+  await page.fill("#sample [data-name=sites] input", "900");
+  await page.locator("#sample [data-name=sites] input").first().blur();
+  await settled(page, "sample");
+  assert.equal(await page.textContent("#sample .general"), "");
 });
 
 test("a file that is not a picture leaves the shown picture", async () => {

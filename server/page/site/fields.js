@@ -318,6 +318,11 @@ export class Fields {
     this.#find(name).put(text);
   }
 
+  /** Returns the text of a field, hidden or not, that `put` accepts. */
+  text(name) {
+    return this.#find(name).text();
+  }
+
   offer(name, offered) {
     this.#find(name).element.hidden = !offered;
   }

@@ -139,7 +139,10 @@ export class Sample extends Panel {
   #kept = null;
   #past = [];
   #counts = [];
+  #checked = [];  // names of the counts that were checked at first
   #own = null;
+  #before = null;  // what was shown before a file of the user that the server has not accepted yet
+  #refusal = null;  // error of a file that was not accepted
   #surfaceView = null;
   #mask = null;
   #isStale = true;
@@ -337,9 +340,7 @@ export class Sample extends Panel {
     if (isPicture(file)) return this.offerElsewhere(file, "picture", { name: "halftone", title: "Halftone" });
     try {
       const document = await this.loadNewest(inMemory(file).then(documentOf));
-      if (!document) return;
-      this.#takeDocument(document);
-      this.#chosen();
+      if (document) this.#takeOwn(document);
     } catch (error) {
       const { message, cause } = error;
       if (error instanceof CcdtError) this.showProblem({ message: `${file.name} cannot be read as a shapefile: ${message}` });
@@ -370,6 +371,44 @@ export class Sample extends Panel {
       this.showProblem(problem);
       return false;
     }
+  }
+
+  /** Shows a file of the user. If the server refuses it, the panel returns to the shape and settings before. */
+  #takeOwn(document) {
+    const kind = this.shapeChoice.value;
+    const before = this.#before ?? ((this.#result || this.#mask) && {
+      kind, shape: this.shape, own: this.#own, counts: this.#counts, checked: this.#checked, counting: this.countFields?.state(),
+      texts: ["coordinates", "volume"].map((name) => [name, this.shapeFields.text(name)]),
+    });
+    this.#takeDocument(document);
+    this.#chosen();
+    this.#before = before;
+  }
+
+  #goBack({ message }) {
+    const { kind, shape, own, counts, checked, counting, texts } = this.#before;
+    const { name } = this.shape.file;
+    this.shapeChoice.value = kind;
+    this.#shapes[kind] = shape;
+    for (const [field, text] of texts) this.shapeFields.put(field, text);
+    this.#own = own;
+    keep("shape", own ?? undefined);
+    this.#offerCounts(counts, checked);
+    this.countFields?.restore(counting);
+    this.#shapeChosen();
+    this.refresh();
+    this.#refusal = { message: `${name} cannot be used: ${message.replace(/; accepted are .*$/, "")}` };
+  }
+
+  /** Whether the server has refused the file in a request, and not an option. */
+  #isOfFile({ status, errors = [] }) {
+    return [400, 415, 422].includes(status) && this.shape?.file && errors.every((error) => this.#isAboutShape(error));
+  }
+
+  show(problem) {
+    if (problem && this.#before && this.#isOfFile(problem)) return this.#goBack(problem);
+    super.show(problem);
+    if (this.#refusal && !problem) this.showProblem(this.#refusal);
   }
 
   /**
@@ -407,11 +446,12 @@ export class Sample extends Panel {
     this.#shapeChosen();
   }
 
-  #offerCounts(counts, counted) {
+  #offerCounts(counts, checked) {
     this.#counts = counts;
+    this.#checked = checked;
     const form = this.find(".counts");
     form.replaceChildren();
-    this.countFields = counts.length > 0 ? new Fields(form, countFields(counts, counted), (draft) => this.refresh(draft)) : null;
+    this.countFields = counts.length > 0 ? new Fields(form, countFields(counts, checked), (draft) => this.refresh(draft)) : null;
   }
 
   /**
@@ -426,8 +466,7 @@ export class Sample extends Panel {
     try {
       const json = JSON.parse(this.corners.value);
       if (isGeojson(json)) {
-        this.#takeDocument({ name: "shape.geojson", text: this.corners.value });
-        return this.#chosen();
+        return this.#takeOwn({ name: "shape.geojson", text: this.corners.value });
       }
       const polygon = polygonOf(json);
       if (!polygon) throw new Error("these are no corners");
@@ -491,6 +530,7 @@ export class Sample extends Panel {
   #shapeChosen() {
     this.abandonLoads();
     this.#isLost = false;
+    this.#before = null;
     const kind = this.shapeChoice.value;
     this.find(".polygon-tools").hidden = this.find(".corners").hidden = kind !== "polygon";
     this.tiles.disabled = kind !== "torus";
@@ -744,6 +784,7 @@ export class Sample extends Panel {
     this.iteration.setAttribute("aria-valuetext", `after iteration ${this.iteration.value}`);
     if (!this.shape || this.drawing.ring) return;
     this.#isStale = false;
+    this.#refusal = null;
     this.#offerFields();
     if (!this.#isSpatial) this.plotter.wait();
     if (!draft) this.note();
@@ -754,6 +795,7 @@ export class Sample extends Panel {
       const frame = await this.fetch(signal, { draft });
       if (signal.aborted) return;
       this.#result = frame;
+      this.#before = null;
       this.viewport.redraw();
       if (this.#isSpatial) await this.#showSurface(frame);
       this.#tellOfAnswer(frame);
@@ -829,16 +871,19 @@ export class Sample extends Panel {
   }
 
   /**
-   * Shows errors beside the shape or the fields, except errors of files, which are shown on the canvas. If the body of
-   * the request is a file, pointers with a leading slash refer to the file, other pointers to options. If the file is a
-   * mesh, pointers that name no option refer to it.
+   * Whether an error is about the shape. If the body of the request is a file, pointers with a leading slash refer to the
+   * file, other pointers to options. If the file is a mesh, pointers that name no option refer to it.
    */
-  place(errors) {
+  #isAboutShape({ pointer }) {
+    if (this.isMesh) return !surfaces.options.includes(pointer.replace(/^\//, "").split("/")[0]);
     const isBody = this.shape !== null && isDocument(this.shape, this.options());
-    const isOption = (pointer) => surfaces.options.includes(pointer.replace(/^\//, "").split("/")[0]);
-    const isAboutShape = ({ pointer }) => (this.isMesh ? !isOption(pointer) : isBody ? pointer === "" || pointer.startsWith("/") : /^\/?(polygon|holes|geometry|domain)/.test(pointer));
-    this.#tellOfShape(this.shape?.file ? "" : errors.filter(isAboutShape).map(({ detail }) => detail).join("; "));
-    const others = errors.filter((error) => !isAboutShape(error));
+    return isBody ? pointer === "" || pointer.startsWith("/") : /^\/?(polygon|holes|geometry|domain)/.test(pointer);
+  }
+
+  /** Shows errors beside the shape or the fields, except errors of files, which are shown on the canvas. */
+  place(errors) {
+    const [ofShape, others] = [true, false].map((isWanted) => errors.filter((error) => this.#isAboutShape(error) === isWanted));
+    this.#tellOfShape(this.shape?.file ? "" : ofShape.map(({ detail }) => detail).join("; "));
     for (const part of [this.fields, this.shapeFields, this.surfaceFields, this.countFields, this.moreFields, this.fileFields, this.drawingFields, this.plotter]) part?.show(others);
   }
 
