@@ -449,6 +449,25 @@ test("draws 200,000 points with their tone, and as dots at higher zooms", async 
   assert.ok(meshed.light < 0.9 * zoomed.light, meshed.light);
 });
 
+test("draws lines in all directions with the area that they cover", async () => {
+  const { page } = world;
+  await page.goto(world.url);
+  const shares = await page.evaluate(async () => {
+    const { DotLayer } = await import("/assets/dots.js");
+    const drawn = (width, from, to) => {
+      const canvas = new OffscreenCanvas(100, 80), layer = new DotLayer();
+      layer.begin(100, 80);
+      layer.addLines([...from, ...to], { x: 0, y: 0, scale: 1 }, width);
+      layer.draw(canvas.getContext("2d"), "#000");
+      const { data } = canvas.getContext("2d").getImageData(0, 0, 100, 80);
+      return data.reduce((sum, value, i) => (i % 4 === 3 ? sum + value / 255 : sum), 0) / width;
+    };
+    const inside = Array.from({ length: 24 }, (_, i) => drawn(0.7, [50.3, -40.6], [50.3 + 33 * Math.cos(i), -40.6 + 33 * Math.sin(i)]) / 33);
+    return [...inside, drawn(1.4, [-500.5, -40.5], [1e9, -40.5]) / 100, drawn(1.4, [30, 7e8], [30, -7e8]) / 80, 1 + drawn(0.7, [-9, -9], [-9, -90])];
+  });
+  for (const share of shares) assert.ok(Math.abs(share - 1) < 0.03, String(shares));
+});
+
 test("offers the methods that CCDT is compared with", async () => {
   await open();
   for (const method of ["cvt", "odt", "ccvt", "random"]) {

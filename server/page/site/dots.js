@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Draws millions of dots within a frame. Paths of a canvas are too slow, and Chromium does not draw very long ones.
+// Draws millions of dots and lines within a frame. Paths of a canvas are too slow, and Chromium does not draw very long ones.
 
 /**
- * Dots of one colour, computed pixel by pixel. Lengths are in pixels. The opacities of the pixels of a dot add up to its
- * area, and the opacities of several dots are added, so that dots smaller than a pixel have the right tone.
+ * Dots and lines of one colour, computed pixel by pixel. Lengths are in pixels. The opacities of the pixels of a dot add up to its
+ * area, and the opacities of several dots are added, so that dots smaller than a pixel have the right tone. So do those of
+ * lines.
  */
 export class DotLayer {
   #context = new OffscreenCanvas(1, 1).getContext("2d");
@@ -51,7 +52,33 @@ export class DotLayer {
     }
   }
 
-  /** Draws the dots on a canvas of the same size. */
+  /**
+   * Adds straight lines.
+   * @param ends  coordinates x and y of both ends of each line in turn; see `add` for the plane and `view`
+   */
+  addLines(ends, { x, y, scale }, lineWidth) {
+    const opacities = this.#opacities;
+    const size = [this.#image.width + 2, this.#image.height + 2], strides = [1, size[0]];
+    for (let i = 0; i < ends.length; i += 4) {
+      const from = [x + scale * ends[i] + 1, y - scale * ends[i + 1] + 1];
+      const step = [scale * (ends[i + 2] - ends[i]), scale * (ends[i + 1] - ends[i + 3])];
+      const along = Math.abs(step[0]) < Math.abs(step[1]) ? 1 : 0, across = 1 - along;
+      const start = step[along] < 0 ? from[along] + step[along] : from[along], end = start + Math.abs(step[along]);
+      if (!(end > 0 && start < size[along])) continue;
+      const slope = step[across] / step[along] || 0;
+      const half = (lineWidth / 2) * Math.hypot(1, slope);  // of the line, measured across
+      const last = Math.min(Math.floor(end), size[along] - 1);
+      for (let cell = Math.max(Math.floor(start), 0); cell <= last; ++cell) {
+        const [left, right] = [Math.max(start, cell), Math.min(end, cell + 1)];
+        const middle = from[across] + slope * ((left + right) / 2 - from[along]);
+        const lowest = Math.max(Math.floor(middle - half), 0), highest = Math.min(Math.floor(middle + half), size[across] - 1);
+        for (let other = lowest; other <= highest; ++other)
+          opacities[cell * strides[along] + other * strides[across]] += (right - left) * (Math.min(middle + half, other + 1) - Math.max(middle - half, other));
+      }
+    }
+  }
+
+  /** Draws the dots and lines on a canvas of the same size. */
   draw(context, colour) {
     const { data, width, height } = this.#image;
     for (let row = 0, to = 3; row < height; ++row) {

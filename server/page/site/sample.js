@@ -33,7 +33,7 @@ const maxRepairs = 20;  // maximum number of repairs shown
 const maxParts = 30;  // maximum number of parts offered
 const maxPast = 100;  // maximum number of polygons kept for undo
 const maxInAddress = 2000;  // maximum number of characters for corners
-const maxInPath = 1000;  // maximum number of triangles in a path, because browsers do not draw very long paths
+const edgeWidth = 0.7;  // CSS pixels; width of the edges of a triangulation
 const minScale = 4;  // CSS pixels per threshold below which the mask is smoothed
 const map = { name: "texas.geojson", counted: ["employed", "unemployed"] };
 const knotName = "knot.obj";
@@ -121,6 +121,25 @@ function countFields(counts, checked) {
     { kind: "several", name: "counted", label: "Points stand for", checked, choices: counts.slice(0, maxCounts).map(({ name, sum }) => [name, `${name}: ${count(sum)}`]) },
     { kind: "number", name: "per", label: "Number per point", value: per, min: per / 10, max: per * 100, log: true },
   ];
+}
+
+/**
+ * Returns the projected ends of the edges of a triangulation: x and y of both ends in turn. On a torus, each edge runs to
+ * the nearest copy of its other end.
+ */
+function edgesOf({ vertices, triangles, boundary = [], shape, outline }) {
+  const period = shape.domain?.type === "torus" ? shape.domain : null;
+  const near = (from, to, side) => (period ? to - side * Math.round((to - from) / side) : to);
+  const places = vertices.map(outline.project);
+  const edges = [];
+  const add = (from, to) => {
+    const [[ax, ay], [bx, by]] = [places[from], places[to]];
+    edges.push(ax, ay, near(ax, bx, period?.width), near(ay, by, period?.height));
+  };
+  // An inner edge is part of two triangles, in opposite directions.
+  for (const triangle of triangles) triangle.forEach((from, i) => { if (from < triangle[(i + 1) % 3]) add(from, triangle[(i + 1) % 3]); });
+  for (const ring of boundary) ring.forEach((from, i) => { if (from > ring[(i + 1) % ring.length]) add(from, ring[(i + 1) % ring.length]); });
+  return Float64Array.from(edges);
 }
 
 /** Reads a polygon from JSON; null if the text contains none. */
@@ -950,7 +969,7 @@ export class Sample extends Panel {
   #drawResult(context, result) {
     const { points, classes } = result;
     const tiles = this.#tileOffsets();
-    if (result.triangles && this.mesh.checked) for (const offset of tiles) this.#drawMesh(context, result, offset);
+    if (result.triangles && this.mesh.checked) this.#drawMesh(context, result, tiles);
     const all = points.length, shown = result.rank ? this.#shownFirst : all;
     const area = areaOf(result.outline.parts);
     const dot = (this.plotter.isOn && this.plotter.options().dot) || (result.features ? mapShare : dotShare) * Math.sqrt(area / all);
@@ -977,30 +996,14 @@ export class Sample extends Panel {
     this.#dots.draw(context, color);
   }
 
-  /** Draws the visible triangles. On a torus, draws each edge to the nearest copy of its other end. */
-  #drawMesh(context, { vertices, triangles, shape, outline }, [dx, dy]) {
-    const period = shape.domain?.type === "torus" ? shape.domain : null;
-    const near = (from, to, side) => (period ? to - side * Math.round((to - from) / side) : to);
-    const { width, height } = this.viewport.size;
-    context.strokeStyle = colour("--accent");
-    context.lineWidth = 0.7;
-    context.beginPath();
-    let drawn = 0;
-    for (const triangle of triangles) {
-      const corners = triangle.map((index) => outline.project(vertices[index]));
-      const [ax, ay] = corners[0];
-      const ring = corners.map(([x, y]) => [near(ax, x, period?.width) + dx, near(ay, y, period?.height) + dy]);
-      const { minX, minY, maxX, maxY } = boundsOf([ring]);
-      const [least, most] = [this.#toScreen([minX, maxY]), this.#toScreen([maxX, minY])];
-      if (most.x < 0 || most.y < 0 || least.x > width || least.y > height) continue;
-      this.#path(context, ring);
-      context.closePath();
-      if (++drawn % maxInPath > 0) continue;
-      context.stroke();
-      context.beginPath();
-    }
-    context.stroke();
-    context.lineWidth = 1;
+  /** Draws the edges of the triangulation at each of the tiles. */
+  #drawMesh(context, result, tiles) {
+    result.edges ??= edgesOf(result);
+    const ratio = devicePixelRatio;
+    this.#dots.begin(context.canvas.width, context.canvas.height);
+    for (const { x, y } of tiles.map((offset) => this.#toScreen(offset)))
+      this.#dots.addLines(result.edges, { x: ratio * x, y: ratio * y, scale: ratio * this.viewport.scale }, ratio * edgeWidth);
+    this.#dots.draw(context, colour("--accent"));
   }
 
   #drawCorners(context) {
