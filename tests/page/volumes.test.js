@@ -66,6 +66,19 @@ test("offers the options and formats of points in space", async () => {
   assert.notEqual(await page.textContent("#shape-error"), "");
 });
 
+test("takes the sides of voxels from every shape before", async () => {
+  const { page } = world;
+  for (const shape of ["", "?shape=polygon", "?shape=rectangle&rectangle=3,2", "?shape=knot.obj"]) {
+    await page.goto("about:blank");
+    await page.goto(`${world.url}/#sample${shape}`);
+    await settled(page, "sample");
+    await page.setInputFiles("#sample .file", { name: "density.npy", mimeType: "", buffer: voxels(8, 16, 16) });
+    await settled(page, "sample");
+    assert.match(await request(), /domain=box&width=16&height=16&depth=8/);
+    assert.deepEqual(await page.locator("#sample [data-name=volume] input").evaluateAll((all) => all.map(({ value }) => value)), ["16", "16", "8"]);
+  }
+});
+
 test("takes voxels as the density, and analyzes the points", async () => {
   await open();
   const { page } = world;

@@ -507,9 +507,8 @@ export class Sample extends Panel {
 
   /** Sets the sides of rectangle, torus and mask. The server rejects sides that are not positive. */
   #takeSides() {
-    const { rectangle: sides = "1.5,1", torus = "1,1", volume = "1,1,1", tile = "64,64" } = this.shapeFields.state();
-    for (const [kind, text] of Object.entries({ rectangle: sides, torus, box: volume, space: volume, mask: tile })) {
-      const [width, height, depth] = text.split(",").map(Number);
+    for (const [kind, name] of Object.entries({ rectangle: "rectangle", torus: "torus", box: "volume", space: "volume", mask: "tile" })) {
+      const [width, height, depth] = this.shapeFields.text(name).split(",").map(Number);
       const { domain, ...others } = this.#shapes[kind];
       this.#shapes[kind] = { ...others, domain: { ...domain, width, height, ...(depth !== undefined && { depth }) } };
     }
