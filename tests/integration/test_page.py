@@ -68,7 +68,7 @@ class Page(ServerCase):
         self.assertLess(packed["/assets/element.js"] + packed["/assets/connection.js"], 9_000)
         # The page loads these modules only when it draws a surface, points in space or a mask.
         for name in ("surface_", "volume_", "mask."):
-            self.assertLess(sum(size for path, size in packed.items() if path.startswith("/assets/" + name)), 8_500)
+            self.assertLess(sum(size for path, size in packed.items() if path.startswith("/assets/" + name)), 9_200)
         first = loaded_first()
         self.assertIn("/assets/halftone.js", first)
         for name in ("devices", "sample", "analyze"):  # panels that are loaded when they are opened

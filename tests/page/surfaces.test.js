@@ -9,7 +9,7 @@ import { tmpdir } from "node:os";
 import path from "node:path";
 import { test } from "node:test";
 
-import { download, looksAsKept, pageWithoutWebgl, run, runInBrowser, settled, slide, useBrowser } from "./harness.js";
+import { data, download, looksAsKept, pageWithoutWebgl, run, runInBrowser, settled, slide, useBrowser } from "./harness.js";
 
 const world = useBrowser();
 const canvas = "#sample canvas.of-surfaces";
@@ -108,6 +108,28 @@ test("draws again after the browser has lost its graphics", async () => {
   await lose("loseContext");
   await lose("restoreContext");
   assert.equal(await picture(), first);
+});
+
+test("cuts discs off at edges of the surface", async () => {
+  const { page } = world;
+  await page.goto(`${world.url}/#sample?shape=knot.obj&sites=300&order=progressive`);
+  await settled(page, "sample");
+  await page.setInputFiles("#sample .file", path.join(data, "meshes/house.obj"));
+  await settled(page, "sample");
+  const covered = (first) => page.evaluate((value) => new Promise((resolve) => {
+    const slider = document.getElementById("first");
+    slider.value = value;
+    slider.dispatchEvent(new Event("input"));
+    requestAnimationFrame(() => {  // runs after the view has drawn
+      const { width, height } = document.querySelector("#sample canvas.of-surfaces");
+      const context = new OffscreenCanvas(width, height).getContext("2d");
+      context.drawImage(document.querySelector("#sample canvas.of-surfaces"), 0, 0);
+      resolve(context.getImageData(0, 0, width, height).data.filter((alpha, i) => i % 4 === 3 && alpha > 64).length);
+    });
+  }), first);
+  const [alone, all] = [await covered("0"), await covered("200")];
+  assert.ok(alone > 20_000, alone);
+  assert.ok(all - alone < 0.001 * alone, `${all} ${alone}`);
 });
 
 test("turns, moves and zooms by keys and buttons", async () => {

@@ -36,7 +36,8 @@ void main() {
 
 // A disc is a square around the point, perpendicular to its normal, whose corners are transparent. It is moved towards
 // the viewer, so that a curved surface does not cover it. A disc that is seen from the side is moved less, because it
-// would stick out beside the surface. Without a normal, a disc faces the viewer and fades with distance.
+// would stick out beside the surface. Where the surface below is farther from the plane of the disc than `margin`, beyond
+// an edge of the surface, the disc is cut off. Without a normal, a disc faces the viewer, is whole, and fades with distance.
 const pointVertex = `#version 300 es
 uniform mat3 turn;
 uniform vec4 place;
@@ -45,14 +46,18 @@ layout(location = 0) in vec3 point;
 layout(location = 1) in vec3 normal;
 out vec2 offset;
 out float fading;
+out float above;
+flat out float slant;
 void main() {
   bool isFree = normal == vec3(0);
   vec3 facing = isFree ? vec3(0, 0, 1) * turn : normal;
   offset = 1.2 * vec2(gl_VertexID % 2 * 2 - 1, gl_VertexID / 2 * 2 - 1);
   vec3 across = normalize(cross(facing, abs(facing.x) < 0.7 ? vec3(1, 0, 0) : vec3(0, 1, 0)));
   vec3 at = turn * (point + radius * (offset.x * across + offset.y * cross(facing, across)));
+  above = at.z;
+  slant = isFree ? 0.0 : abs((turn * facing).z);
   fading = isFree ? 0.8 * clamp(0.5 - at.z, 0.0, 1.0) : 0.0;
-  float nearer = radius * (0.1 + 0.5 * abs((turn * facing).z));
+  float nearer = radius * (0.1 + 0.5 * (isFree ? 1.0 : slant));
   gl_Position = vec4(place.xy + place.zw * at.xy, -at.z - nearer, 1);
 }`;
 
@@ -60,15 +65,22 @@ const pointFragment = `#version 300 es
 precision highp float;
 uniform vec3 ink;
 uniform vec3 paper;
+uniform highp sampler2D depths;
+uniform float margin;
 in vec2 offset;
 in float fading;
+in float above;
+flat in float slant;
 out vec4 result;
 void main() {
   float distance = length(offset);
-  float cover = clamp(0.5 + (1.0 - distance) / max(fwidth(distance), 1e-6), 0.0, 1.0);
+  float gap = slant * (above + 2.0 * texelFetch(depths, ivec2(gl_FragCoord), 0).r - 1.0);
+  float cover = clamp(0.5 + (1.0 - distance) / max(fwidth(distance), 1e-6), 0.0, 1.0) * clamp(2.0 - gap / margin, 0.0, 1.0);
   if (cover == 0.0) discard;
   result = cover * vec4(mix(ink, paper, fading), 1);
 }`;
+
+const leastMargin = 0.001;  // distance of points from the shown surface, which has fewer vertices than the given one
 
 /**
  * Compiles a program. Returns it with a function that finds its uniforms. Errors are not checked: if the context is lost,
@@ -107,6 +119,7 @@ export class WebglPainter {
   #scene = null;
   #surfaceArray = null;
   #pointArray = null;
+  #depths = null;  // {texture, buffer, size}: the depth of the surface at each pixel
 
   constructor(gl) {
     this.#gl = gl;
@@ -123,7 +136,7 @@ export class WebglPainter {
 
   /** Compiles and uploads everything again after the browser has lost and restored the context. */
   restore() {
-    this.#scene = this.#surfaceArray = this.#pointArray = null;
+    this.#scene = this.#surfaceArray = this.#pointArray = this.#depths = null;
     this.#begin();
   }
 
@@ -134,6 +147,20 @@ export class WebglPainter {
     this.#pointArray?.remove();
     this.#surfaceArray = arrayOf(this.#gl, [scene.corners, scene.normals], 0);
     this.#pointArray = arrayOf(this.#gl, [scene.points, scene.pointNormals], 1);
+  }
+
+  /** Selects a buffer for the depths of the surface, as large as the canvas. */
+  #beginDepths() {
+    const gl = this.#gl;
+    const [width, height] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
+    this.#depths ??= { texture: gl.createTexture(), buffer: gl.createFramebuffer() };
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.#depths.buffer);
+    gl.bindTexture(gl.TEXTURE_2D, this.#depths.texture);
+    if (this.#depths.size === `${width} ${height}`) return;
+    this.#depths.size = `${width} ${height}`;
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.DEPTH_COMPONENT24, width, height, 0, gl.DEPTH_COMPONENT, gl.UNSIGNED_INT, null);
+    for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, gl.NEAREST);
+    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.TEXTURE_2D, this.#depths.texture, 0);
   }
 
   /**
@@ -149,7 +176,6 @@ export class WebglPainter {
     this.#load(scene);
     gl.viewport(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight);
     gl.clearColor(0, 0, 0, 0);
-    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     const begin = ({ program, at }) => {
       gl.useProgram(program);
       gl.uniformMatrix3fv(at("turn"), false, turn);
@@ -162,10 +188,16 @@ export class WebglPainter {
     gl.uniform3fv(ofSurface("line"), colours.line);
     gl.uniform1f(ofSurface("lineWidth"), lineWidth * ratio);
     gl.bindVertexArray(this.#surfaceArray.array);
-    gl.drawArrays(gl.TRIANGLES, 0, scene.corners.length / 3);
+    this.#beginDepths();
+    for (const buffer of [this.#depths.buffer, null]) {
+      gl.bindFramebuffer(gl.FRAMEBUFFER, buffer);
+      gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+      gl.drawArrays(gl.TRIANGLES, 0, scene.corners.length / 3);
+    }
 
     const ofPoints = begin(this.points);
     gl.uniform1f(ofPoints("radius"), radius);
+    gl.uniform1f(ofPoints("margin"), 0.1 * radius + leastMargin);
     gl.uniform3fv(ofPoints("ink"), colours.ink);
     gl.uniform3fv(ofPoints("paper"), colours.paper);
     gl.enable(gl.BLEND);
