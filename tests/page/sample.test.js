@@ -475,7 +475,7 @@ test("offers the methods that CCDT is compared with", async () => {
     await settled(world.page, "sample");
     assert.equal((await request()).method, method);
   }
-  assert.ok(await world.page.isDisabled("#iteration"));
+  assert.ok(await world.page.isHidden("#iteration"));
 });
 
 /** Saves the points as JSON, and checks that the commands of the page, run in a folder, make the same points. */

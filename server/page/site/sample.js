@@ -725,7 +725,7 @@ export class Sample extends Panel {
     this.countFields?.offer("per", isMap);
     this.mesh.disabled = isMap;
     const { options, max_sites: most } = methodNamed(this.options().method);
-    this.iteration.disabled = isVolume || !options.includes("iterations");
+    this.iteration.parentElement.hidden = isVolume || !options.includes("iterations");
     this.fields.enable("quality", options.includes("quality"));
     this.fields.limit("sites", most);
     for (const name of ["passes", "tolerance"]) this.moreFields.offer(name, options.includes(name) && (isFlat || (isSurface && name === "passes")));
