@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Draws millions of dots and lines within a frame. Paths of a canvas are too slow, and Chromium does not draw very long ones.
 
+import { luminanceOf, sharesAsLight } from "./light.js";
+
 /**
  * Dots and lines of one colour, computed pixel by pixel. Lengths are in pixels. The opacities of the pixels of a dot add up to its
  * area, and the opacities of several dots are added, so that dots smaller than a pixel have the right tone. So do those of
@@ -78,11 +80,16 @@ export class DotLayer {
     }
   }
 
-  /** Draws the dots and lines on a canvas of the same size. */
-  draw(context, colour) {
+  /**
+   * Draws the dots and lines on a canvas of the same size. Opacities mix light, so that a dot between pixels is as bright as
+   * one within a pixel. The colours have the form #rrggbb; `ground` is that of the canvas below.
+   */
+  draw(context, colour, ground) {
     const { data, width, height } = this.#image;
+    const shares = sharesAsLight(luminanceOf(colour), luminanceOf(ground));
+    const most = shares.length - 1;
     for (let row = 0, to = 3; row < height; ++row) {
-      for (let from = (row + 1) * (width + 2) + 1, end = from + width; from < end; ++from, to += 4) data[to] = 255 * this.#opacities[from];
+      for (let from = (row + 1) * (width + 2) + 1, end = from + width; from < end; ++from, to += 4) data[to] = shares[Math.round(most * Math.min(this.#opacities[from], 1))];
     }
     this.#context.globalCompositeOperation = "source-in";
     this.#context.putImageData(this.#image, 0, 0);

@@ -15,6 +15,20 @@ const encoded = Uint8ClampedArray.from({ length: steps + 2 }, (_, step) => {
 /** Returns the linear light of a computed CSS colour, `rgb(r, g, b)`: three numbers from 0 to 1. */
 export const lightOfColour = (text) => text.match(/[\d.]+/g).slice(0, 3).map((value) => linear[Math.round(value)]);
 
+/** Returns the luminance, from 0 to 1, of a colour of the form #rrggbb. */
+export const luminanceOf = (colour) =>
+  [0.2126, 0.7152, 0.0722].reduce((sum, weight, i) => sum + weight * linear[parseInt(colour.slice(2 * i + 1, 2 * i + 3), 16)], 0);
+
+/**
+ * Returns the opacities, from 0 to 255, with which a browser mixes sRGB values so that the light of a colour is mixed with
+ * that of the ground: for shares of the colour in equal steps from 0 to 1, given both luminances.
+ */
+export function sharesAsLight(light, ground) {
+  const valueOf = (share) => encoded[Math.round(steps * (share * light + (1 - share) * ground))];
+  const [none, whole] = [valueOf(0), valueOf(1)];
+  return Uint8ClampedArray.from({ length: 256 }, (_, i) => (whole === none ? i : (255 * (valueOf(i / 255) - none)) / (whole - none)));
+}
+
 /**
  * Computes the source cells, with weights, whose mean is each target cell when a row or column of cells is scaled.
  * @param length  number of source cells

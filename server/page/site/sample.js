@@ -992,7 +992,7 @@ export class Sample extends Panel {
     this.#dots.begin(context.canvas.width, context.canvas.height);
     for (const { x, y } of tiles.map((offset) => this.#toScreen(offset)))
       this.#dots.add(places, { x: ratio * x, y: ratio * y, scale: ratio * this.viewport.scale }, ratio * radius, isShown);
-    this.#dots.draw(context, color);
+    this.#dots.draw(context, color, colour("--panel"));
   }
 
   /** Draws the edges of the triangulation at each of the tiles. */
@@ -1002,7 +1002,7 @@ export class Sample extends Panel {
     this.#dots.begin(context.canvas.width, context.canvas.height);
     for (const { x, y } of tiles.map((offset) => this.#toScreen(offset)))
       this.#dots.addLines(result.edges, { x: ratio * x, y: ratio * y, scale: ratio * this.viewport.scale }, ratio * edgeWidth);
-    this.#dots.draw(context, colour("--accent"));
+    this.#dots.draw(context, colour("--accent"), colour("--panel"));
   }
 
   #drawCorners(context) {
