@@ -9,6 +9,18 @@ import { appearances, isAccessible, looksAsKept, settled, useBrowser } from "./h
 const world = useBrowser();
 const panels = ["halftone", "devices", "sample", "analyze"];
 
+/** Returns the selects that are too narrow for one of their choices. */
+const cutSelects = (page) => page.evaluate(() => {
+  const probe = document.body.appendChild(document.createElement("select"));
+  const cut = [...document.querySelectorAll(".controls select, .bar select")].filter((select) => {
+    probe.style.font = getComputedStyle(select).font;
+    probe.replaceChildren(...[...(getComputedStyle(select).fieldSizing === "content" ? select.selectedOptions : select.options)].map(({ text }) => new Option(text)));
+    return select.offsetParent && select.offsetWidth + 1 < probe.offsetWidth;
+  });
+  probe.remove();
+  return cut.map(({ innerText }) => innerText);
+});
+
 /** Opens all parts that are closed at first: rare options, help texts, and the controls of the plotter. */
 async function unfold(page, panel) {
   await page.evaluate((id) => {
@@ -28,6 +40,7 @@ for (const { colorScheme, size, viewport, tags } of appearances) {
       await isAccessible(page, { tags, about });
       const taken = await page.evaluate(() => document.documentElement.scrollWidth);
       assert.ok(taken <= viewport.width, `${about} is ${taken} wide`);
+      assert.deepEqual(await cutSelects(page), [], about);
     };
     await page.goto(world.url);
     for (const panel of panels) {

@@ -25,7 +25,7 @@ const fields = [
   { kind: "number", name: "speed", label: "Speed, mm/s", value: 100, min: 5, max: 500, step: 1, log: true },
   { kind: "number", name: "lift", label: "Pen lift, seconds", value: 0.15, min: 0.01, max: 2, log: true,
     help: "Time that the pen needs to go down and up again, for each stroke." },
-  { kind: "choice", name: "dwell_unit", label: "G-code: dwell in", standard: "s", choices: [["s", "seconds: GRBL"], ["ms", "milliseconds: Marlin"]] },
+  { kind: "choice", name: "dwell_unit", label: "G-code: dwell", standard: "s", choices: [["s", "seconds: GRBL"], ["ms", "milliseconds: Marlin"]] },
   { kind: "text", name: "pen_down", label: "G-code: pen down", value: "M3 S1000", standard: "M3 S1000",
     help: "Commands that lower the pen. Separate lines by |. For a Z axis: G1 Z-1 F300." },
   { kind: "text", name: "pen_up", label: "G-code: pen up", value: "M5", standard: "M5",
