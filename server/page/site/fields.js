@@ -32,7 +32,7 @@ function numberInputs(field, id) {
 
 /**
  * Creates a field for a number. With `field.auto`, it has a checkbox, labelled `field.free`, by which the user leaves
- * the number to the server.
+ * the number to the server. Then the field is empty until `tell` shows the number of the server.
  */
 function numberField(field, id, change) {
   const { number, slider, all, put: putNumber, limit } = numberInputs(field, id);
@@ -40,7 +40,14 @@ function numberField(field, id, change) {
   const auto = field.auto !== undefined && make("input", { type: "checkbox", checked: field.auto });
   const unit = field.units && make("select", { attributes: { "aria-label": `${field.label}, unit` } },
     ...field.units.map(([value, text]) => new Option(text, value)));
-  const settle = () => [...all, ...(unit ? [unit] : [])].forEach((input) => { input.disabled = auto && auto.checked; });
+  const settle = () => {
+    for (const input of [...all, ...(unit ? [unit] : [])]) input.disabled = auto && auto.checked;
+    if (auto?.checked) number.value = "";
+    else if (auto && number.value === "") putNumber(field.value);
+  };
+  const tell = (told) => {
+    if (auto?.checked && told !== undefined) putNumber(told);
+  };
   if (auto) {
     entry.append(make("label", {}, auto, field.free ?? "auto"));
     auto.addEventListener("change", () => { settle(); change(false); });
@@ -68,7 +75,7 @@ function numberField(field, id, change) {
     if (auto && (isNumber || text === "auto")) auto.checked = !isNumber;
     settle();
   };
-  return { input: number, parts: [entry, slider], value, text: () => String(value() ?? "auto"), put, limit };
+  return { input: number, parts: [entry, slider], value, text: () => String(value() ?? "auto"), put, limit, tell };
 }
 
 /** Creates number inputs side by side, each with its own label. The value joins the numbers with commas. */
@@ -334,6 +341,11 @@ export class Fields {
     entry.field = { ...entry.field, standard };
     entry.first = standard;
     if (isThere) entry.put(standard);
+  }
+
+  /** Shows a number that the server has chosen in its field. */
+  tell(name, number) {
+    this.#find(name).tell(number);
   }
 
   enable(name, enabled) {

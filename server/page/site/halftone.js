@@ -247,6 +247,7 @@ export class Halftone extends PicturePanel {
       if (signal.aborted) return;
       const original = await shownPart(this.picture.original, dots);
       this.keepPicture();
+      this.#tellChosen(response, dots);
       if (draft) return this.showResult({ ...this.shown, original, dots, drawing: undefined });
       this.showResult({
         original, dots, scale: original && dots.width / original.width,
@@ -257,6 +258,15 @@ export class Halftone extends PicturePanel {
       await this.#plot(options, signal);
       this.status.textContent = this.shown.status;  // the job of the plot may have cleared it
     };
+  }
+
+  /** Shows the numbers that the server has chosen. The radius counts pixels of the picture there, and of the output here. */
+  #tellChosen({ headers }, { width, height }) {
+    const { original } = this.picture;
+    const scale = original ? width / original.width : 1;
+    const rounded = (number, digits = 3) => (number > 0 ? Number(number.toPrecision(digits)) : undefined);
+    this.fields.tell("dot", rounded(scale * headers.get("X-Radius")));
+    for (const [name, number] of Object.entries({ width, height, scale: rounded(scale) })) this.moreFields.tell(name, number);
   }
 
   async #plot(options, signal) {
