@@ -352,9 +352,9 @@ const showsDots = () => world.page.waitForFunction(() => {
 test("divides the picture from its dots, and zooms to single dots", async () => {
   await open();
   const frame = world.page.locator("#halftone .canvas-frame");
-  const { x, y, width, height } = await frame.boundingBox();
+  const { x, y, width, height } = await world.page.locator(".divider").boundingBox();
   const knob = (share) => [x + 16 + share * (width - 32), y + height / 2];
-  await world.page.mouse.move(...knob(0.18));
+  await world.page.mouse.move(...knob(0.1));
   await world.page.mouse.down();
   await world.page.mouse.move(...knob(0.6), { steps: 5 });
   await world.page.mouse.up();
@@ -370,6 +370,37 @@ test("divides the picture from its dots, and zooms to single dots", async () => 
   await world.page.keyboard.press("0");
   await world.page.click("#halftone [aria-label='Zoom in']");
   await world.page.click("#halftone [aria-label=Fit]");
+});
+
+test("keeps the divider within the picture on a phone across", async () => {
+  const { page, viewport } = world;
+  await page.setViewportSize({ width: 844, height: 390 });
+  await open();
+  const box = await page.locator(".divider").boundingBox();
+  const frame = await page.locator("#halftone .canvas-frame").boundingBox();
+  assert.ok(Math.abs(box.x + box.width / 2 - frame.x - frame.width / 2) <= 1, String(box.x));
+  assert.ok(box.width < 0.7 * frame.width && Math.abs(box.width + 32 - frame.height) <= 1, String(box.width));
+  await page.click("#halftone [aria-label='Zoom in']", { clickCount: 6 });
+  await settled(page, "halftone");
+  assert.equal((await page.locator(".divider").boundingBox()).width, frame.width);
+  await page.setViewportSize(viewport);
+});
+
+test("shows numbers that the server has chosen", async () => {
+  const { page } = world;
+  await open();
+  const number = (name) => page.inputValue(`#halftone [data-name=${name}]:not([hidden]) input[type=number]`);
+  assert.deepEqual([await number("width"), await number("height"), await number("scale")], ["1000", "1000", "1.95"]);
+  assert.ok(Math.abs(await number("dot") - Math.sqrt(1e6 / 20000 / 10)) < 0.5, await number("dot"));
+  const request = await page.textContent("#halftone pre");
+  const auto = page.locator("#halftone [data-name=sites] input[type=checkbox]");
+  await auto.check();
+  await settled(page, "halftone");
+  assert.equal(await number("sites"), "");
+  assert.ok(!(await page.textContent("#halftone pre")).includes("?"));
+  await auto.uncheck();
+  await settled(page, "halftone");
+  assert.equal(await page.textContent("#halftone pre"), request);
 });
 
 test("selects the request if the browser does not allow copying", async () => {

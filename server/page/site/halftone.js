@@ -346,11 +346,14 @@ export class Halftone extends PicturePanel {
     this.viewport.redraw();
   }
 
-  /** Draws the picture left of the divider, or all of it if there are no dots. */
+  /** Draws the picture left of the divider, or all of it if there are no dots. The divider stays within the picture. */
   #drawOriginal(context, view, { x, y, width, height }) {
     const { original, dots } = this.shown;
     const share = Number(this.divider.value) / 100;
-    const end = dots ? thumbWidth / 2 + share * (view.size.width - thumbWidth) : view.size.width;
+    const [left, right] = [x, x + width].map((side) => Math.min(Math.max(side / devicePixelRatio, 0), view.size.width));
+    const room = Math.max(right - left, thumbWidth);
+    Object.assign(this.divider.style, { left: `${left}px`, width: `${room}px` });
+    const end = dots ? left + thumbWidth / 2 + share * (room - thumbWidth) : view.size.width;
     context.save();
     context.beginPath();
     context.rect(0, 0, dots && share === 0 ? 0 : end, view.size.height);
