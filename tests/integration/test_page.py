@@ -65,7 +65,7 @@ class Page(ServerCase):
         own = {path: content for path, content in FILES.items() if not path.startswith("/assets/samples/")}
         packed = {path: len(gzip.compress(content)) for path, content in own.items()}
         # Other pages load the element and the module that it imports.
-        self.assertLess(packed["/assets/element.js"] + packed["/assets/connection.js"], 9_000)
+        self.assertLess(packed["/assets/element.js"] + packed["/assets/connection.js"], 9_600)
         # The page loads these modules only when it draws a surface, points in space or a mask.
         for name in ("surface_", "volume_", "mask."):
             self.assertLess(sum(size for path, size in packed.items() if path.startswith("/assets/" + name)), 9_200)

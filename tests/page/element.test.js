@@ -221,6 +221,58 @@ test("maps image pixels to device pixels, also after a change of size", async ()
   await context.close();
 });
 
+test("has the size of its attributes, fits the picture into it, and shows the pixels of a device", async () => {
+  await world.page.goto(origin.url);
+  const queries = [];
+  world.page.on("request", (one) => { if (one.url().includes("/halftone?")) queries.push(Object.fromEntries(new URL(one.url()).searchParams)); });
+  const sizes = [];
+  for (const options of [{ width: "200", height: "160", fit: "cover", sites: "900" }, { width: "200", height: "160", sites: "900" },
+    { width: "200", sites: "900" }, { height: "150", sites: "900" }, { width: "200", height: "160", device: "spectra6", fit: "cover" }]) {
+    assert.equal((await show({ src: "/cat.png", ...options })).type, "load");
+    const { width, height, drawn } = await seen();
+    sizes.push([width, Math.round(height), drawn]);
+  }
+  assert.deepEqual(sizes, [[200, 160, false], [200, 160, false], [200, 133, false], [225, 150, false], [200, 160, false]]);
+  assert.deepEqual(queries.map(({ width, height, fit, device }) => [width, height, fit, device]), [["200", "160", "cover", undefined],
+    ["200", "160", undefined, undefined], ["200", undefined, undefined, undefined], [queries[3].width, undefined, undefined, undefined], ["200", "160", "cover", "spectra6"]]);
+});
+
+test("reserves its size, and requests dots near the visible part only if it is lazy", async () => {
+  const { page } = world;
+  await page.goto(origin.url);
+  const asked = [];
+  page.on("request", (one) => { if (/cat\.png/.test(one.url())) asked.push(one.url()); });
+  const before = await page.evaluate(async () => {
+    document.body.innerHTML = `<div style="height: 5000px"></div><ccdt-halftone id="dots" src="/cat.png" sites="900" width="300" height="200" loading="lazy"></ccdt-halftone>`;
+    const dots = document.querySelector("#dots");
+    window.loaded = new Promise((resolve) => dots.addEventListener("load", () => resolve(dots.getBoundingClientRect().height)));
+    await new Promise((resume) => setTimeout(resume, 300));
+    return dots.getBoundingClientRect().height;
+  });
+  assert.deepEqual([before, asked], [200, []]);
+  await page.evaluate(() => document.querySelector("#dots").scrollIntoView());
+  assert.equal(await page.evaluate(() => window.loaded), 200);
+  assert.equal(asked.length, 1);
+});
+
+test("shows errors of options, and the whole text of a missing picture", async () => {
+  const { page } = world;
+  await page.goto(origin.url);
+  const message = page.locator("#dots p");
+  await show({ src: "/cat.png", sites: "nonsense" });
+  assert.equal(await message.textContent(), "sites must be an integer from 1 to 2000000");
+  assert.ok(await message.isVisible());
+  await page.evaluate(() => new Promise((resolve) => {
+    document.querySelector("#dots").addEventListener("load", resolve);
+    document.querySelector("#dots").setAttribute("sites", "900");
+  }));
+  assert.ok(await message.isHidden());
+  await show({ src: "/nothing.png", sites: "500", alt: "A cat with long whiskers" });
+  assert.ok(await message.isHidden());
+  const { width, height } = await page.locator("#dots img").boundingBox();
+  assert.ok(width > 120 && height >= 14, `${width} ${height}`);
+});
+
 test("removes outdated dots, and shows an unreadable picture unchanged", async () => {
   await world.page.goto(origin.url);
   await show({ src: "/cat.png", sites: "500" });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Custom element that shows a picture as dots, in pages of any origin:
-// <ccdt-halftone src=photo.jpg sites=20000 color=cmyk alt="A cat"></ccdt-halftone>
+// <ccdt-halftone src=photo.jpg sites=20000 color=cmyk width=600 height=400 alt="A cat"></ccdt-halftone>
 //
 // Requests dots from the server in the attribute `server`, by default the one that this module was loaded from. Until
 // the answer arrives, and if the request fails, draws a conventional halftone screen in the browser.
@@ -10,11 +10,12 @@ import { Connection } from "./connection.js";
 const here = import.meta.url;  // a constant, because bundlers replace `new URL` with import.meta.url
 
 /** Attributes of the element that become options of /halftone. Flags need no value. */
-const optionAttributes = ["sites", "color", "palette", "foreground", "background", "tone", "levels", "alpha", "detail", "dot",
+const optionAttributes = ["device", "fit", "sites", "color", "palette", "foreground", "background", "tone", "levels", "alpha", "detail", "dot",
   "scale", "quality", "seed", "iterations", "passes", "antialias", "dots", "invert"];
 const flags = ["antialias", "invert"];
 
 const maxJobs = 2;  // of all elements on a page; browsers open six connections to a server, and each job occupies one
+const nearby = "300px";  // distance from the window at which an element with loading=lazy requests its dots
 const resizeDelay = 250;  // ms without a change of size after which new dots are requested
 const minPitch = 4;  // pixels; minimum distance of dots drawn in the browser
 
@@ -135,26 +136,31 @@ function draw(canvas, width, bitmap, options) {
 }
 
 const looks = `
-:host { display: inline-block; position: relative; max-width: 100%; line-height: 0; }
+:host { display: inline-block; position: relative; max-width: 100%; vertical-align: bottom; }
 :host([hidden]), [hidden] { display: none; }
-img, canvas { width: 100%; }
+img, canvas { display: block; width: 100%; }
+p { position: absolute; inset: auto 0 0; margin: 0; padding: .3em .6em; font: 14px/1.4 sans-serif; background: #fff; color: #a8261c; overflow-wrap: anywhere; }
 progress { position: absolute; inset: auto 0 0; width: 100%; height: 4px; }`;
 
 // Node.js has no HTMLElement, but may import this module, for example to render pages.
 const Base = globalThis.HTMLElement ?? Object;
 
 export class HalftoneElement extends Base {
-  static observedAttributes = ["src", "alt", "server", ...optionAttributes];
+  static observedAttributes = ["src", "alt", "server", "width", "height", "loading", ...optionAttributes];
 
   #picture = Object.assign(new Image(), { hidden: true });
   #drawing = Object.assign(document.createElement("canvas"), { hidden: true });
   #progress = Object.assign(document.createElement("progress"), { hidden: true, ariaLabel: "Dots" });
+  #message = Object.assign(document.createElement("p"), { hidden: true });
+  #size = new CSSStyleSheet();  // from the attributes width and height
   #width = new CSSStyleSheet();
   #fit = new CSSStyleSheet();  // shows one pixel of the picture on one device pixel
   #observer = new ResizeObserver(() => this.#resized());
+  #approach = new IntersectionObserver(([{ isIntersecting }]) => this.#approached(isIntersecting), { rootMargin: nearby });
   #timer = null;
   #loaded = {};  // {source, picture}: the last loaded picture
   #isMissing = false;  // whether the picture could not be loaded; another width then makes no difference
+  #isNear = false;  // whether an element with loading=lazy has been near the visible part of the page
   #pixels = 0;  // width of the last request, in device pixels
   #run = null;
   #requested = null;  // source, server and options of the shown or requested dots
@@ -165,11 +171,12 @@ export class HalftoneElement extends Base {
     const root = this.attachShadow({ mode: "open" });
     const sheet = new CSSStyleSheet();
     sheet.replaceSync(looks);
-    root.adoptedStyleSheets = [sheet, this.#width, this.#fit];
+    root.adoptedStyleSheets = [sheet, this.#width, this.#fit, this.#size];
     this.#picture.part = "picture";
     this.#drawing.part = "drawing";
     this.#progress.part = "progress";
-    root.append(this.#picture, this.#drawing, this.#progress);
+    this.#message.part = "message";
+    root.append(this.#picture, this.#drawing, this.#progress, this.#message);
   }
 
   connectedCallback() {
@@ -193,7 +200,12 @@ export class HalftoneElement extends Base {
   #cancel() {
     this.#run?.abort();
     this.#run = null;
-    this.#progress.hidden = true;
+    this.#progress.hidden = this.#message.hidden = true;
+  }
+
+  #approached(isNear) {
+    this.#isNear ||= isNear;
+    if (isNear) this.#refresh();
   }
 
   /** Cancels the request of a removed element. An element that was only moved keeps its request. */
@@ -210,6 +222,19 @@ export class HalftoneElement extends Base {
     for (const name of optionAttributes.filter((one) => this.hasAttribute(one)))
       options.set(name, this.getAttribute(name) || (flags.includes(name) ? "true" : ""));
     return options;
+  }
+
+  /** Attributes width and height, in CSS pixels. */
+  get #given() {
+    return ["width", "height"].map((name) => Number(this.getAttribute(name)));
+  }
+
+  /** Reserves the size that the attributes give, as for an image. */
+  #reserve() {
+    const [width, height] = this.#given;
+    const fit = width && height ? `aspect-ratio: ${width} / ${height}; } img, canvas { height: 100%; object-fit: ${this.getAttribute("fit") ?? "contain"};` : "";
+    if (width) this.#size.replaceSync(`:host { width: ${width}px; ${fit} }`);
+    else this.#size.replaceSync(height ? `:host { width: auto; } img, canvas { width: auto; height: ${height}px; }` : "");
   }
 
   get #pixelsNow() {
@@ -233,7 +258,9 @@ export class HalftoneElement extends Base {
     const query = new URLSearchParams(options);
     this.#pixels = this.#pixelsNow;
     if (query.has("scale") || this.#pixels === 0) return query;
+    const [width, height] = this.#given;
     query.set("width", this.#pixels);
+    if (width && height) query.set("height", Math.round((this.#pixels * height) / width));
     const dot = query.get("dot");
     if (dot && Number.isFinite(Number(dot))) query.set("dot", Number(dot) * devicePixelRatio);
     return query;
@@ -246,8 +273,10 @@ export class HalftoneElement extends Base {
     Object.assign(this.#drawing, alt ? { role: "img", ariaLabel: alt, ariaHidden: null } : { role: null, ariaHidden: "true" });
     const source = this.getAttribute("src");
     const options = this.#options();
-    const requested = `${source} ${this.getAttribute("server")} ${options}`;
+    const requested = `${source} ${this.getAttribute("server")} ${this.#given} ${options}`;
+    this.#reserve();
     if (!this.isConnected || requested === this.#requested) return;
+    if (this.getAttribute("loading") === "lazy" && !this.#isNear) return this.#approach.observe(this);
     this.#cancel();
     this.#requested = requested;
     if (source) this.#make(source, options);
@@ -269,6 +298,8 @@ export class HalftoneElement extends Base {
     } catch (error) {
       if (signal.aborted) return;
       this.#fall(source);
+      this.#message.hidden = !error.errors?.length;  // errors of options are those of the page's author
+      this.#message.textContent = error.message;
       this.dispatchEvent(new ErrorEvent("error", { error, message: error.message }));
     } finally {
       if (this.#run === run) {
