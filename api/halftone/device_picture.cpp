@@ -51,12 +51,13 @@ Result<bool> read_bit_order(const Input& input) {
     return read_choice<bool>(input, kOrders);
 }
 
-constexpr std::array<OptionRule<Draft>, 15> kRules = {{
+constexpr std::array<OptionRule<Draft>, 16> kRules = {{
     {"device", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.device, read_device(i)); }},
     {"palette", [](const Input& i, const Limits&, Draft& d) { return assign(d.palette, read_device_colours(i)); }},
     {"width", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.width, read_side(i)); }},
     {"height", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.height, read_side(i)); }},
     {"fit", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.fit, read_fit(i)); }},
+    {"gravity", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.gravity, read_gravity(i)); }},
     {"rotate", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.quarters, read_quarters(i)); }},
     {"background",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.background, read_colour(i)); }},
@@ -104,6 +105,7 @@ Result<void> check_spot(const DeviceRequest& request, const HalftoneInput& input
 }
 
 Result<void> check_sides(const DeviceRequest& request, const HalftoneInput& input) {
+    if (auto fitting = check_gravity(input.options, request.fit); !fitting) return fitting;
     if (!input.has("fit") || (request.width && request.height)) return {};
     return malformed(input.option("fit"), "needs width and height");
 }
@@ -151,7 +153,7 @@ LightPlanes to_frame(ColourPicture picture, const DeviceRequest& request, Execut
     const FrameSize frame = frame_of(request, {picture.width, picture.height});
     if (request.fit == Fit::Cover) {
         const FrameSize part = contained(frame, {picture.width, picture.height});
-        picture = middle_of(picture, part.width, part.height);
+        picture = part_around(picture, part.width, part.height, request.gravity);
         return framed(picture, frame, frame, light_of(request.background), executor);
     }
     return framed(picture, contained({picture.width, picture.height}, frame), frame, light_of(request.background),

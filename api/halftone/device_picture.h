@@ -41,6 +41,7 @@ struct DeviceRequest {
     /// Contain: the answer shows the whole picture, and the background fills the rest of the answer's pixels. Cover
     /// requires width and height.
     Fit fit = Fit::Contain;
+    Focus gravity;     ///< point of the turned picture that Cover shows as near to the middle as possible
     int quarters = 0;  ///< number of quarter turns clockwise, done before the picture is scaled
     Colour background = kWhite;
     AlphaMixing alpha = AlphaMixing::Display;  ///< how partly transparent pixels show the background

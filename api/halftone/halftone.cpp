@@ -60,7 +60,7 @@ struct Draft {
     std::optional<Colour> background;
 };
 
-constexpr std::array<OptionRule<Draft>, 33> kRules = {{
+constexpr std::array<OptionRule<Draft>, 34> kRules = {{
     {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.sites, read_sites(i, l)); }},
     {"minutes",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.minutes, read_number(i, kMinutes)); }},
@@ -75,6 +75,7 @@ constexpr std::array<OptionRule<Draft>, 33> kRules = {{
     {"width", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.width, read_side(i)); }},
     {"height", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.height, read_side(i)); }},
     {"fit", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.fit, read_fit(i)); }},
+    {"gravity", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.gravity, read_gravity(i)); }},
     {"dot", [](const Input& i, const Limits&, Draft& d) { return read_dot(i, d.request.dot); }},
     {"detail",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.detail, read_number(i, kDetails)); }},
@@ -179,7 +180,7 @@ Result<void> check_size(const HalftoneRequest& request, const HalftoneInput& inp
         if (option.name == "fit" && !(request.width && request.height))
             return malformed(option, is_sized ? "needs both width and height" : "needs width and height");
     }
-    return {};
+    return check_gravity(input.options, request.fit);
 }
 
 /// Decides whether the drawing is for a screen or for print. Drawings for print are by default not antialiased.

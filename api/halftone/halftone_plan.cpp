@@ -129,7 +129,7 @@ struct Decoded {
         if (pixels * squares == request.image.header.pixels()) side = reduced;
         const PictureSize part = drawn_part(request, {picture.width, picture.height});
         if (part.width < picture.width || part.height < picture.height)
-            picture = middle_of(picture, part.width, part.height);
+            picture = part_around(picture, part.width, part.height, request.gravity);
     }
 
     PictureSize size() const { return {side * picture.width, side * picture.height}; }

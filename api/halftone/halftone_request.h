@@ -47,6 +47,7 @@ struct HalftoneRequest {
     std::optional<int> width;      ///< pixels of the drawing; cannot be combined with `scale`
     std::optional<int> height;     ///< pixels of the drawing; cannot be combined with `scale`
     Fit fit = Fit::Contain;        ///< Cover requires width and height
+    Focus gravity;                 ///< point of the picture that Cover shows as near to the middle as possible
     bool on_screen = false;        ///< whether the drawing is for a screen; its size then determines the number of dots
     std::optional<DotRadius> dot;  ///< none: chosen by the server
     double detail = 0.7;           ///< strength of sharpening, 0 to 1, as in DotRequest; 0: no sharpening

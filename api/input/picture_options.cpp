@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "api/input/picture_options.h"
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -10,6 +12,25 @@ namespace ccdt::api {
 Result<Fit> read_fit(const Input& input) {
     static constexpr std::array<Choice<Fit>, 2> kFits = {{{"contain", Fit::Contain}, {"cover", Fit::Cover}}};
     return read_choice<Fit>(input, kFits);
+}
+
+Result<Focus> read_gravity(const Input& input) {
+    static constexpr std::array kShares = {&Focus::x, &Focus::y};
+    auto parts = read_list(input, kShares.size(), "value");
+    if (!parts) return tl::unexpected(parts.error());
+    if (parts->size() < kShares.size()) return malformed(input, "must be two numbers from 0 to 1, such as 0.5,0.2");
+    Focus focus;
+    for (std::size_t i = 0; i < kShares.size(); ++i) {
+        if (auto read = assign(focus.*kShares[i], read_number((*parts)[i], {.min = 0, .max = 1})); !read)
+            return tl::unexpected(read.error());
+    }
+    return focus;
+}
+
+Result<void> check_gravity(std::span<const Input> options, Fit fit) {
+    const auto gravity = std::ranges::find(options, "gravity", &Input::name);
+    if (gravity == options.end() || fit == Fit::Cover) return {};
+    return malformed(*gravity, "needs fit=cover");
 }
 
 Result<AlphaMixing> read_alpha(const Input& input) {

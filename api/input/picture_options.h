@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <span>
+
 #include "api/input/option_reader.h"
 #include "core/base/result.h"
+#include "core/picture/crop.h"
 #include "core/picture/levels.h"
 #include "core/picture/picture.h"
 
@@ -11,11 +14,17 @@ namespace ccdt::api {
 /// Ways to fit a picture into a drawing whose width and height are both given.
 enum class Fit {
     Contain,  ///< the whole picture is drawn, as large as the width and the height allow
-    Cover,    ///< the middle of the picture is drawn and fills the drawing
+    Cover,    ///< a part of the picture, by default the middle, is drawn and fills the drawing
 };
 
 /// Reads `contain` or `cover`. Errors: Malformed.
 Result<Fit> read_fit(const Input& input);
+
+/// Reads a list of two numbers from 0 to 1. Errors: Malformed.
+Result<Focus> read_gravity(const Input& input);
+
+/// Checks that `gravity` is given with fit=cover only. Errors: Malformed.
+Result<void> check_gravity(std::span<const Input> options, Fit fit);
 
 /// Reads `display` or `linear`. Errors: Malformed.
 Result<AlphaMixing> read_alpha(const Input& input);

@@ -235,6 +235,7 @@ class Options(ContractCase):
              ("/halftone", "background"): {"format": "png"}, ("/halftone", "width"): {"format": "png", "height": 1},
              ("/halftone", "height"): {"format": "png", "width": 1},
              ("/halftone", "fit"): {"format": "png", "width": 30, "height": 10},
+             ("/halftone", "gravity"): {"format": "png", "width": 10, "height": 30, "fit": "cover"},
              ("/sample", "style"): {"format": "svg"}, ("/sample", "multipoint"): {"format": "geojson"},
              **{(path, option): {"format": "gcode", "style": "spiral", "width_mm": 100}
                 for path in ("/halftone", "/sample") for option in ("speed", "dwell", "dwell_unit", "pen_down", "pen_up")},
@@ -337,7 +338,7 @@ class Options(ContractCase):
                     self.refuse(path, option, wrong[described["type"]])
 
     def test_have_the_documented_defaults(self):
-        others = {"seed": 1, "per": 2, "iterations": 6, "passes": 6, "quality": "best", "dot": 0.5, "detail": 1, "alpha": "linear", "levels": [0.2, 1], "fit": "cover",
+        others = {"seed": 1, "per": 2, "iterations": 6, "passes": 6, "quality": "best", "dot": 0.5, "detail": 1, "alpha": "linear", "levels": [0.2, 1], "fit": "cover", "gravity": [0, 1],
                   "tone": "perceptual", "foreground": "#123456", "background": "#123456",
                   "color": "cmyk", "style": "stroke", "closed": True, "pen": 1, "speed": 50, "dwell": 1, "dwell_unit": "ms", "pen_down": "M3", "pen_up": "M4", "method": "odt", "mesh": True, "coordinates": "lonlat",
                   "max_frequency": 5, "spectrum": True, "multipoint": False, "buffer": 0.1, "format": "svg", "domain": {"type": "rectangle", "width": 2, "height": 1}}

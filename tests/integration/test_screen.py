@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Drawings for the screen: their size, their tone, and the metadata of their files."""
 
+import io
 import itertools
 import pathlib
 import tempfile
@@ -66,6 +67,16 @@ class Size(ServerCase):
                 problem = self.assert_problem(self.ask("/halftone?" + query, data=CHELSEA), 400, words)
                 self.assertEqual(problem["errors"][0]["pointer"], field)
         self.assert_problem(self.ask("/halftone?width=60000", data=CHELSEA), 413, "60000 x 39911", "max-pixels")
+
+    def test_of_a_part_equals_that_of_the_cropped_picture(self):
+        image = Image.open(io.BytesIO(CHELSEA))
+        for gravity, left in (("", 75), ("&gravity=0.5,0.5", 75), ("&gravity=0,0.3", 0), ("&gravity=1,0", 151), ("&gravity=0.4,1", 30)):
+            cropped = io.BytesIO()
+            image.crop((left, 0, left + 300, 300)).save(cropped, "png")
+            for kind in ("sites=200&antialias=false", "device=1bit"):
+                query = f"?{kind}&width=300&height=300"
+                with self.subTest(gravity=gravity, kind=kind):
+                    self.assertEqual(self.halftone(CHELSEA, query + "&fit=cover" + gravity).body, self.halftone(cropped.getvalue(), query).body)
 
     def test_is_that_of_the_svg_document(self):
         drawing = self.halftone(CHELSEA, "?format=svg&sites=100&width=300&height=300&fit=cover").body.decode()

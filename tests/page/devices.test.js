@@ -47,6 +47,36 @@ async function download() {
   return { name: saved.suggestedFilename(), bytes: await readFile(await saved.path()) };
 }
 
+test("cuts the picture around a point that the user drags", async () => {
+  const { page } = world;
+  await open("?width=120&height=300&picture=astronaut.jpg");
+  const pad = field("gravity").locator(".focus");
+  const drag = async (x, y) => {
+    await pad.scrollIntoViewIfNeeded();
+    const box = await pad.boundingBox();
+    await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await page.mouse.down();
+    await page.mouse.move(box.x + x * box.width, box.y + y * box.height, { steps: 3 });
+    await page.mouse.up();
+    await settled(page, "devices");
+    return requestedOptions();
+  };
+  const { width, height } = await pad.boundingBox();
+  const options = { device: "1bit", width: "120", height: "300", fit: "cover" };
+  assert.deepEqual(await requestedOptions(), options);
+  assert.deepEqual(await drag(0.2, 0.1), { ...options, gravity: "0.2,0.1" });
+  assert.deepEqual(await drag(-0.3, 1.3), { ...options, gravity: "0,1" });
+  assert.match(await page.evaluate(() => location.hash), /gravity=0%2C1/);
+  await field("rotate").locator("select").selectOption("90");
+  await settled(page, "devices");
+  const turned = await pad.boundingBox();
+  assert.deepEqual([turned.width, turned.height], [height, width]);
+  await field("fit").locator("select").selectOption("contain");
+  await settled(page, "devices");
+  assert.ok(await pad.isHidden());
+  assert.ok(!("gravity" in (await requestedOptions())));
+});
+
 /** Runs in a page: counts the pixels in which a part of a screenshot differs from a picture. */
 async function differencesIn([screenshot, picture, left, top]) {
   const pixelsOf = async (base64, x, y, size) => {

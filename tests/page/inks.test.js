@@ -28,7 +28,7 @@ async function requestedOptions() {
 }
 
 /** Returns the given colours that occur in the halftone. */
-const seen = (colours) => world.page.locator("#halftone canvas").evaluate((canvas, wanted) => {
+const seen = (colours) => world.page.locator("#halftone .stage canvas").evaluate((canvas, wanted) => {
   const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
   const values = new Set();
   for (let i = 0; i < data.length; i += 4) values.add((data[i] << 16) | (data[i + 1] << 8) | data[i + 2]);

@@ -11,7 +11,7 @@ import { data, settled, useBrowser } from "./harness.js";
 const world = useBrowser();
 
 /** Returns the number of pixels of a panel's canvas that are about as dark as dots. */
-const dark = (panel) => world.page.locator(`#${panel} canvas:not(.of-surfaces)`).evaluate((canvas) => {
+const dark = (panel) => world.page.locator(`#${panel} .stage canvas:not(.of-surfaces)`).evaluate((canvas) => {
   const { data: values } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
   let number = 0;
   for (let i = 0; i < values.length; i += 4) number += values[i + 3] > 128 && values[i] + values[i + 1] + values[i + 2] < 150;

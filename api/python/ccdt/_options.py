@@ -41,6 +41,7 @@ class HalftoneOptions(PlotOptions, total=False):
     width: int
     height: int
     fit: str
+    gravity: Union[str, Sequence[float]]
     dot: Union[float, str]
     detail: float
     alpha: str
@@ -62,6 +63,7 @@ class DeviceOptions(TypedDict, total=False):
     width: int
     height: int
     fit: str
+    gravity: Union[str, Sequence[float]]
     rotate: int
     background: str
     alpha: str

@@ -2,7 +2,7 @@
 // Fields for the options of /halftone with `device`: labels, initial values and help texts.
 
 import { capabilities } from "./api.js";
-import { moreFields as halftoneFields } from "./halftone_options.js";
+import { gravity, moreFields as halftoneFields } from "./halftone_options.js";
 
 const { types, formats } = capabilities.halftone.devices;
 export { formats, types };
@@ -18,6 +18,7 @@ export const fields = [
   { kind: "number", name: "height", label: "Height, px", value: 480, min: 50, max: 4000, step: 1, log: true, auto: false,
     help: "auto: the height that keeps the aspect ratio." },
   { kind: "choice", name: "fit", label: "Fit", standard: "contain", choices: [["cover", "cut to fill"], ["contain", "whole picture"]] },
+  gravity,
   { kind: "choice", name: "rotate", label: "Turn clockwise", standard: "0", choices: [["0", "no"], ["90", "90\u00b0"], ["180", "180\u00b0"], ["270", "270\u00b0"]],
     help: "The picture is turned before it is fitted." },
   { kind: "colour", name: "background", label: "Background", value: "#ffffff", standard: "#ffffff",

@@ -5,6 +5,7 @@ import { post } from "./api.js";
 import { make, seconds } from "./dom.js";
 import { fields, formats, moreFields, presets, types, viewFields } from "./device_options.js";
 import { Fields } from "./fields.js";
+import { FocusPad } from "./focus.js";
 import { canvasOf, PicturePanel, warningsOf } from "./picture_panel.js";
 import { Snippets } from "./snippets.js";
 
@@ -41,6 +42,7 @@ export class Devices extends PicturePanel {
     this.fields = new Fields(this.find(".fields"), fields, (draft) => this.refresh(draft));
     this.moreFields = new Fields(this.find(".more form"), moreFields, (draft) => this.refresh(draft));
     this.view = new Fields(this.find(".view"), viewFields, () => { this.note(); this.#draw(); });
+    this.focus = new FocusPad(this.find("[data-name=gravity]"));
     this.swatches = make("ul", { className: "swatches", attributes: { "aria-label": "Colours of the device" } });
     this.swatchesHint = make("p", { className: "hint", textContent: "Above: in the file. Below: as measured on a panel." });
     this.find("[data-name=device]").append(this.swatches, this.swatchesHint);
@@ -75,6 +77,9 @@ export class Devices extends PicturePanel {
     const { device, width, height } = this.fields.values();
     this.fields.offer("palette", device === "custom");
     this.fields.offer("fit", width !== undefined && height !== undefined);
+    const { fit, rotate } = this.fields.values();
+    this.fields.offer("gravity", fit === "cover");
+    this.focus.show(this.picture?.original, Number(rotate ?? 0));
     const colours = this.#colours;
     this.fields.allow("format", "escpos", colours.sent.length === 2);
     this.moreFields.offer("spot", colours.sent.length === 2);

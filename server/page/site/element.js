@@ -10,7 +10,7 @@ import { Connection } from "./connection.js";
 const here = import.meta.url;  // a constant, because bundlers replace `new URL` with import.meta.url
 
 /** Attributes of the element that become options of /halftone. Flags need no value. */
-const optionAttributes = ["device", "fit", "sites", "color", "palette", "foreground", "background", "tone", "levels", "alpha", "detail", "dot",
+const optionAttributes = ["device", "fit", "gravity", "sites", "color", "palette", "foreground", "background", "tone", "levels", "alpha", "detail", "dot",
   "scale", "quality", "seed", "iterations", "passes", "antialias", "dots", "invert"];
 const flags = ["antialias", "invert"];
 

@@ -4,6 +4,7 @@
 import { capabilities } from "./api.js";
 import { count, seconds } from "./dom.js";
 import { Fields } from "./fields.js";
+import { FocusPad } from "./focus.js";
 import { fields, moreFields, presets } from "./halftone_options.js";
 import { inksOf } from "./ink.js";
 import { postPatiently } from "./jobs.js";
@@ -39,13 +40,16 @@ function drawingOf(image, { x = 0, y = 0, width, height }, size, paper = "#fffff
   return canvas;
 }
 
-async function shownPart(original, dots) {
+/** Returns the part of a picture that dots show, around the option `gravity`. */
+async function shownPart(original, dots, gravity = "0.5,0.5") {
   if (!original) return null;
   const scale = Math.max(dots.width / original.width, dots.height / original.height);
   const [width, height] = [dots.width / scale, dots.height / scale].map(Math.round);
   // Dots of the whole picture have its aspect ratio, up to a rounding of one pixel.
   if (Math.max(original.width - width, original.height - height) * scale < 2) return original;
-  return createImageBitmap(original, (original.width - width) / 2, (original.height - height) / 2, width, height);
+  const [x, y] = gravity.split(",");
+  const start = (share, whole, part) => Math.min(Math.max(Math.floor(share * whole - part / 2), 0), whole - part);
+  return createImageBitmap(original, start(x, original.width, width), start(y, original.height, height), width, height);
 }
 
 const isOfBothSides = ({ dots, tone, style = "fill", minutes }) =>
@@ -115,6 +119,7 @@ export class Halftone extends PicturePanel {
     this.viewport = new Viewport(this.find("canvas"), this.find(".zoom"), (...args) => this.#draw(...args));
     this.fields = new Fields(this.find(".fields"), fields, (draft) => this.refresh(draft));
     this.moreFields = new Fields(this.find(".more form"), moreFields, (draft) => this.refresh(draft));
+    this.focus = new FocusPad(this.find("[data-name=gravity]"));
     this.plotter = new Plotter(this.find(".plotter"), {
       size: () => this.picture?.original ?? this.shown.dots ?? { width: 1, height: 1 },
       plan: () => this.#plan(),
@@ -163,6 +168,8 @@ export class Halftone extends PicturePanel {
     for (const name of ["width", "height"]) this.moreFields.offer(name, !isPlotted);
     const { width, height } = this.moreFields.values();
     this.moreFields.offer("fit", width !== undefined && height !== undefined);
+    this.moreFields.offer("gravity", this.moreFields.values().fit === "cover");
+    this.focus.show(this.picture?.original);
     this.offerDownloads(capabilities.halftone.formats, "dots", Object.keys(this.#options()));
   }
 
@@ -210,7 +217,7 @@ export class Halftone extends PicturePanel {
    */
   #sizeOf(options, format, drawn) {
     const isSized = options.width !== undefined || options.height !== undefined;
-    if (!drawn) return { width: undefined, height: undefined, fit: undefined, ...(isSized && { scale: this.shown.scale?.toFixed(2) }) };
+    if (!drawn) return { width: undefined, height: undefined, fit: undefined, gravity: undefined, ...(isSized && { scale: this.shown.scale?.toFixed(2) }) };
     return format === "tiff" && !isForPrint(options) && !isSized ? this.#shownWidth : {};
   }
 
@@ -245,7 +252,7 @@ export class Halftone extends PicturePanel {
       const response = await (draft ? this.#postDraft(options, signal) : this.#post(shownOptions(options), signal, this.showJob));
       const dots = await canvasOf(response);
       if (signal.aborted) return;
-      const original = await shownPart(this.picture.original, dots);
+      const original = await shownPart(this.picture.original, dots, options.gravity);
       this.keepPicture();
       this.#tellChosen(response, dots);
       if (draft) return this.showResult({ ...this.shown, original, dots, drawing: undefined });

@@ -26,6 +26,11 @@ export const fields = [
   { kind: "colour", name: "background", label: "Background", value: "#ffffff", standard: "#ffffff", transparent: true },
 ];
 
+/** The point of the picture that stays visible when it is cut. */
+export const gravity = { kind: "numbers", name: "gravity", label: "Focal point", standard: "0.5,0.5",
+  numbers: ["from left", "from top"].map((label) => ({ label, value: 0.5, min: 0, max: 1, step: 0.01 })),
+  help: "The point of the picture that is shown as near to the middle as possible. Drag it on the small picture." };
+
 export const moreFields = [
   { kind: "numbers", name: "levels", label: "Levels", standard: "0,1,1", numbers: [
     { label: "black point", value: 0, min: 0, max: 1, step: 0.05 }, { label: "white point", value: 1, min: 0, max: 1, step: 0.05 },
@@ -41,6 +46,7 @@ export const moreFields = [
   { kind: "number", name: "height", label: "Height, pixels", value: 800, min: 100, max: 8000, step: 1, log: true, auto: true,
     help: "Height of the result. auto: the height that keeps the aspect ratio." },
   { kind: "choice", name: "fit", label: "Fit", standard: "contain", choices: [["contain", "whole picture"], ["cover", "cut to fill"]] },
+  gravity,
   { kind: "number", name: "scale", label: "Scale", value: 2, min: 0.1, max: 16, log: true, auto: true,
     help: "Pixels of the result per pixel of the picture, along each side. For print. auto: the width determines the size." },
   { kind: "number", name: "iterations", label: "Iterations", value: 5, min: 0, max: 50, step: 1, standard: 5,
