@@ -302,7 +302,6 @@ test("emphasizes edges, and sets levels like an image editor", async () => {
   await slide(slider("detail"), [0.9, 1]);
   await settled(world.page, "halftone");
   assert.deepEqual(optionsOf(seen), { detail: "1" });
-  await world.page.click("#halftone .more summary");
   const levels = world.page.getByRole("group", { name: "Levels" });
   for (const [name, value] of [["black point", "0.1"], ["white point", "0.85"], ["gamma", "1.4"]]) {
     await levels.getByLabel(name).fill(value);
@@ -315,6 +314,27 @@ test("emphasizes edges, and sets levels like an image editor", async () => {
   await levels.getByLabel("black point").blur();
   await settled(world.page, "halftone", "failed");
   assert.match(await world.page.textContent("#halftone [data-name=levels] .error"), /black point below the white point/);
+});
+
+test("sets levels by brightness and contrast, and for the picture", async () => {
+  await open("#halftone?picture=cat.jpg&sites=500");
+  const seen = watchRequests();
+  const levels = async () => {
+    await settled(world.page, "halftone");
+    return optionsOf(seen).levels;
+  };
+  await slide(world.page.getByLabel("Brightness"), [0.3, 0.5]);
+  assert.equal(await levels(), "0,1,1.73");
+  await slide(world.page.getByLabel("Contrast"), [0.2, 0.4]);
+  assert.equal(await levels(), "0.2,0.8,1.73");
+  await world.page.getByRole("group", { name: "Levels" }).getByLabel("black point").fill("0");
+  await world.page.keyboard.press("Tab");
+  assert.equal(await levels(), "0,0.8,1.73");
+  await slide(world.page.getByLabel("Contrast"), [0.1]);
+  assert.equal(await levels(), "0,0.9,1.73");
+  await world.page.getByLabel("Auto levels").first().click();
+  const [black, white, gamma] = (await levels()).split(",").map(Number);
+  assert.ok(black > 0 && black < 0.2 && white > 0.7 && white < 1 && gamma === 1, `${black} ${white} ${gamma}`);
 });
 
 test("derives the number of dots from the picture, or from a pen", async () => {

@@ -2,7 +2,9 @@
 // Fields for the options of /halftone with `device`: labels, initial values and help texts.
 
 import { capabilities } from "./api.js";
-import { gravity, moreFields as halftoneFields } from "./halftone_options.js";
+import { fields as halftoneFields, gravity, moreFields as moreHalftoneFields } from "./halftone_options.js";
+
+const shared = (name) => [...moreHalftoneFields, ...halftoneFields].find((field) => field.name === name);
 
 const { types, formats } = capabilities.halftone.devices;
 export { formats, types };
@@ -23,16 +25,14 @@ export const fields = [
     help: "The picture is turned before it is fitted." },
   { kind: "colour", name: "background", label: "Background", value: "#ffffff", standard: "#ffffff",
     help: "Colour around the picture and behind its transparent pixels." },
+  shared("levels"),
   { kind: "choice", name: "format", label: "Format", standard: "png", choices: formats.map(({ name, title }) => [name, title]),
     help: "Packed pixels have no header: 1, 2 or 4 bits per pixel, from the top row, and each row begins with a new byte. ESC/POS has the commands for receipt and label printers, which have two colours." },
   { kind: "choice", name: "bit_order", label: "Leftmost pixel", standard: "msb", choices: [["msb", "in the highest bits"], ["lsb", "in the lowest bits"]] },
   { kind: "check", name: "invert_bits", label: "Invert all bits", standard: false },
 ];
 
-const shared = (name) => halftoneFields.find((field) => field.name === name);
-
 export const moreFields = [
-  shared("levels"),
   shared("alpha"),
   { kind: "number", name: "spot", label: "Printed spot, px", value: 1.5, min: 1, max: 2, step: 0.05, auto: true, free: "none",
     help: "Diameter of the round spot that a printer makes for a dark pixel. Spots overlap; with this option, the print still has the tones of the picture." },

@@ -90,6 +90,43 @@ function numbersField(field, id, change) {
   return { input: inputs[0], parts: [place], value, text: value, put };
 }
 
+/**
+ * Creates number inputs for levels, and two sliders for the same numbers: brightness for gamma, and contrast for the
+ * distance between the points. A button asks the panel for levels, by the event `autolevels`.
+ */
+function levelsField(field, id, change) {
+  const numbers = numbersField(field, id, (draft) => { settle(); change(draft); });
+  const slider = (label, min, max, put) => {
+    const input = make("input", { type: "range", min, max, step: 0.01 });
+    input.addEventListener("input", () => { put(Number(input.value)); settle(); change(true); });
+    input.addEventListener("change", () => change(false));
+    return { input, place: make("label", { className: "scale" }, make("span", { textContent: label }), input) };
+  };
+  const levels = () => numbers.value().split(",").map(Number);
+  const rounded = (value) => Number(value.toFixed(2));
+  const brightness = slider("Brightness", -1, 1, (value) => {
+    const [black, white] = levels();
+    numbers.put(`${black},${white},${rounded(3 ** value)}`);
+  });
+  const contrast = slider("Contrast", 0, 0.9, (value) => {
+    const [black, white, gamma] = levels();
+    const start = Math.min(Math.max((black + white - 1 + value) / 2, 0), value);
+    numbers.put(`${rounded(start)},${rounded(start + 1 - value)},${gamma}`);
+  });
+  const settle = () => {
+    const [black, white, gamma] = levels();
+    brightness.input.value = Math.log(gamma) / Math.log(3);
+    contrast.input.value = 1 - white + black;
+    brightness.input.setAttribute("aria-valuetext", `gamma ${gamma}`);
+    contrast.input.setAttribute("aria-valuetext", `from ${black} to ${white}`);
+  };
+  const auto = make("button", { type: "button", textContent: "Auto", attributes: { "aria-label": "Auto levels" } });
+  auto.addEventListener("click", () => auto.dispatchEvent(new CustomEvent("autolevels", { bubbles: true })));
+  settle();
+  const put = (text) => { numbers.put(text); settle(); };
+  return { ...numbers, parts: [auto, brightness.place, contrast.place, ...numbers.parts], put };
+}
+
 function choiceField(field, id, change) {
   const select = make("select", { id }, ...field.choices.map(([value, text]) => new Option(text, value)));
   select.addEventListener("change", () => change(false));
@@ -237,7 +274,7 @@ function pictureField(field, id, change) {
   return { input, parts, value: () => (image === null ? undefined : { image }), text: () => "", put: () => take(null, "") };
 }
 
-const makers = { number: numberField, numbers: numbersField, choice: choiceField, several: severalField, check: checkField, colour: colourField, palette: paletteField, text: textField, json: jsonField, picture: pictureField };
+const makers = { number: numberField, numbers: numbersField, levels: levelsField, choice: choiceField, several: severalField, check: checkField, colour: colourField, palette: paletteField, text: textField, json: jsonField, picture: pictureField };
 
 /** Creates a button that shows and hides a help text: {button, line}. */
 function helpFor(label, text, id) {

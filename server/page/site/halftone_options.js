@@ -15,6 +15,10 @@ export const fields = [
     help: "linear: the average light is right, as seen from a distance. perceptual: the average lightness is right. density: the number of dots is proportional to darkness, even where they overlap." },
   { kind: "number", name: "detail", label: "Detail", value: 0.7, min: 0, max: 1, step: 0.05, standard: 0.7,
     help: "Dots blur the picture. Sharpening compensates for this: 0 is none, 1 is a little too much." },
+  { kind: "levels", name: "levels", label: "Levels", standard: "0,1,1", numbers: [
+    { label: "black point", value: 0, min: 0, max: 1, step: 0.01 }, { label: "white point", value: 1, min: 0, max: 1, step: 0.01 },
+    { label: "gamma", value: 1, min: 0.1, max: 10, step: 0.01 }],
+    help: "As in image editors: values up to the black point become black, values from the white point on become white. A gamma above 1 lightens the values between. Auto: the points at which 0.5 % of the picture is black or white." },
   { kind: "choice", name: "dots", label: "Dots are", standard: "both", choices: [["both", "ink and paper"], ["ink", "ink"], ["paper", "paper on black"]],
     help: "Ink and paper: dots of ink in light areas, and holes in the ink in dark areas." },
   { kind: "check", name: "antialias", label: "Soft edges", checked: true,
@@ -32,10 +36,6 @@ export const gravity = { kind: "numbers", name: "gravity", label: "Focal point",
   help: "The point of the picture that is shown as near to the middle as possible. Drag it on the small picture." };
 
 export const moreFields = [
-  { kind: "numbers", name: "levels", label: "Levels", standard: "0,1,1", numbers: [
-    { label: "black point", value: 0, min: 0, max: 1, step: 0.05 }, { label: "white point", value: 1, min: 0, max: 1, step: 0.05 },
-    { label: "gamma", value: 1, min: 0.1, max: 10, step: 0.1 }],
-    help: "As in image editors: values up to the black point become black, values from the white point on become white. A gamma above 1 lightens the values between." },
   { kind: "choice", name: "alpha", label: "Transparency", standard: "display", choices: [["display", "as in viewers"], ["linear", "lighter"]] },
   { kind: "choice", name: "quality", label: "Quality", standard: "standard", choices: [["standard", "standard"], ["draft", "draft: faster"], ["best", "best: slower"]],
     help: "How evenly dots are spread. A draft takes half as long as standard, best takes twice as long." },

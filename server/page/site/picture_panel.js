@@ -68,6 +68,15 @@ export class PicturePanel extends Panel {
     this.find(".picture").append(document.getElementById("picture").content.cloneNode(true));
     this.#offerPresets(presets);
     this.#listenForPictures();
+    element.addEventListener("autolevels", () => this.#setLevels());
+  }
+
+  /** Sets the levels for the picture. Does nothing if the browser cannot decode it. */
+  async #setLevels() {
+    if (!this.picture?.original) return;
+    const { levelsOf } = await import("./levels.js");
+    this.fields.put("levels", levelsOf(this.picture.original));
+    this.refresh();
   }
 
   state() {
