@@ -91,6 +91,22 @@ test("accepts a palette of one to six inks", async () => {
   assert.deepEqual(await requestedOptions(), { palette: "#b3123c" });
 });
 
+test("adds inks by name, and names the inks of the palette", async () => {
+  await open();
+  await choose("palette");
+  const names = () => field("palette").locator(".hint").textContent();
+  assert.equal(await names(), "Blue, Fluorescent pink, Yellow, Black");
+  for (const name of ["Teal", "Sunflower", "Federal blue"]) {  // the seventh replaces the sixth
+    await field("palette").locator("select").selectOption(name);
+    await settled(world.page, "halftone");
+  }
+  assert.equal(await names(), "Blue, Fluorescent pink, Yellow, Black, Teal, Federal blue");
+  assert.deepEqual(await requestedOptions(), { palette: "#0078bf,#ff48b0,#ffe800,#000000,#00838a,#3d5588" });
+  await palette().getByLabel("Ink 1", { exact: true }).fill("#123456");
+  await settled(world.page, "halftone");
+  assert.match(await names(), /^#123456, Fluorescent pink, /);
+});
+
 test("reports an ink that occurs twice", async () => {
   await open();
   await choose("palette");

@@ -2,6 +2,7 @@
 // Labelled inputs for the options of a request, with help texts and the error messages of the server.
 
 import { make } from "./dom.js";
+import { namedInks, nameOf } from "./named_inks.js";
 
 let made = 0;
 
@@ -181,7 +182,8 @@ function colourField(field, id, change) {
 
 /**
  * Creates colour inputs: at least `field.least`, and at most as many as `field.colours` has colours. Initially, there is
- * one for each of the first `field.number` colours. `field.item` is the word for what has a colour.
+ * one for each of the first `field.number` colours. `field.item` is the word for what has a colour. With `field.isNamed`,
+ * a menu adds inks by name; if there are as many as possible, the last one is replaced.
  */
 function paletteField(field, id, change) {
   const { item, least } = field;
@@ -191,7 +193,18 @@ function paletteField(field, id, change) {
   const settle = () => {
     more.disabled = wells.length === field.colours.length;
     place.classList.toggle("fewest", wells.length === least);
+    names.textContent = wells.map((well) => nameOf(well.value)).join(", ");
   };
+  const names = make("p", { className: "hint", hidden: !field.isNamed });
+  const menu = field.isNamed && make("select", { attributes: { "aria-label": "Add an ink by name" } }, new Option("By name", ""),
+    ...namedInks.map(([name, colour]) => new Option(name, colour)));
+  if (menu) menu.addEventListener("change", () => {
+    if (wells.length < field.colours.length) add(menu.value);
+    else wells.at(-1).value = menu.value;
+    menu.value = "";
+    settle();
+    change(false);
+  });
   const remove = (index) => {
     for (let i = index; i + 1 < wells.length; ++i) wells[i].value = wells[i + 1].value;
     wells.pop().parentElement.remove();
@@ -204,7 +217,7 @@ function paletteField(field, id, change) {
     const well = make("input", { type: "color", value, attributes: { "aria-label": `${item[0].toUpperCase()}${item.slice(1)} ${index + 1}` } });
     if (index === 0) well.id = id;
     const less = make("button", { type: "button", textContent: "\u00d7", attributes: { "aria-label": `Remove ${item} ${index + 1}` } });
-    well.addEventListener("input", () => change(true));
+    well.addEventListener("input", () => { settle(); change(true); });
     well.addEventListener("change", () => change(false));
     less.addEventListener("click", () => remove(index));
     wells.push(well);
@@ -215,7 +228,7 @@ function paletteField(field, id, change) {
     add(field.colours.find((colour) => wells.every(({ value }) => value !== colour)));
     change(false);
   });
-  place.append(more);
+  place.append(more, ...(menu ? [menu] : []));
   field.colours.slice(0, field.number).forEach(add);
   const value = () => wells.map((well) => well.value).join(",");
   const put = (text) => {
@@ -225,7 +238,7 @@ function paletteField(field, id, change) {
     colours.forEach((colour, i) => { if (i < wells.length) wells[i].value = colour; else add(colour); });
     settle();
   };
-  return { input: wells[0], parts: [place], value, text: value, put };
+  return { input: wells[0], parts: [place, names], value, text: value, put };
 }
 
 /** Creates an input for a line of text. Requests omit an empty one. */

@@ -25,7 +25,7 @@ export const fields = [
     help: "Pixels at the edge of a dot are grey, which suits screens. Without this, a pixel is covered or not, which suits printers." },
   { kind: "choice", name: "color", label: "Inks", standard: "gray", choices: [["gray", "one"], ["cmyk", "CMYK"], ["rgb", "RGB: light on black"], ["palette", "a palette"]],
     help: "If dots are ink, dots of different inks keep a distance." },
-  { kind: "palette", name: "palette", label: "Palette", item: "ink", least: 1, number: 4, colours: ["#0078bf", "#ff48b0", "#ffe800", "#000000", "#00a95c", "#ff6c2f"] },
+  { kind: "palette", name: "palette", label: "Palette", item: "ink", isNamed: true, least: 1, number: 4, colours: ["#0078bf", "#ff48b0", "#ffe800", "#000000", "#00a95c", "#ff6c2f"] },
   { kind: "colour", name: "foreground", label: "Dot colour", value: "#000000", standard: "#000000" },
   { kind: "colour", name: "background", label: "Background", value: "#ffffff", standard: "#ffffff", transparent: true },
 ];
