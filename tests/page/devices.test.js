@@ -42,7 +42,7 @@ const colours = () => world.page.locator("#devices .exact canvas").evaluate((can
 
 /** Returns the file that the button saves. */
 async function download() {
-  const [saved] = await Promise.all([world.page.waitForEvent("download"), world.page.click("#devices .download button")]);
+  const [saved] = await Promise.all([world.page.waitForEvent("download"), world.page.click("#devices .download .primary")]);
   await settled(world.page, "devices");
   return { name: saved.suggestedFilename(), bytes: await readFile(await saved.path()) };
 }

@@ -67,7 +67,8 @@ async function save(panel, title, folder) {
 async function saveAll(panel, name) {
   const folder = await mkdtemp(path.join(tmpdir(), "ccdt-page-"));
   const { formats: all } = (await (await fetch(`${world.url}/capabilities`)).json())[panel];
-  const formats = all.filter(({ needs = [] }) => needs.length === 0);
+  const isLast = ({ name: format }) => format === "json";
+  const formats = all.filter(({ needs = [] }) => needs.length === 0).sort((a, b) => isLast(a) - isLast(b));
   const titles = formats.map(({ title }) => title);
   assert.deepEqual(await world.page.locator(`#${panel} .download option`).allTextContents(), titles);
   const saved = [];
@@ -98,7 +99,7 @@ for (const viewport of [{ width: 1280, height: 900 }, { width: 390, height: 844 
     for (const panel of ["halftone", "devices", "sample"]) {
       await page.goto(`${world.url}/#${panel}`);
       await settled(page, panel);
-      const { y, height } = await page.locator(`#${panel} .download button`).boundingBox();
+      const { y, height } = await page.locator(`#${panel} .download .primary`).boundingBox();
       assert.ok(y > 0 && y + height < viewport.height, `${panel}: ${y}`);
     }
   });

@@ -423,6 +423,27 @@ test("shows numbers that the server has chosen", async () => {
   assert.equal(await page.textContent("#halftone pre"), request);
 });
 
+test("copies the picture", async () => {
+  const { page } = world;
+  await page.context().grantPermissions(["clipboard-read", "clipboard-write"]);
+  await open("#halftone?sites=500&width=300");
+  const size = () => page.evaluate(async () => {
+    const [item] = await navigator.clipboard.read();
+    const { width, height } = await createImageBitmap(await item.getType("image/png"));
+    return [width, height];
+  });
+  await page.click("#halftone .copy-picture");
+  await page.getByText("Copied").waitFor();
+  assert.deepEqual(await size(), [300, 300]);
+  assert.match(await page.textContent("#halftone .status"), /^500 dots/);
+  await page.goto(`${world.url}/#devices?width=90&height=60&format=raw`);
+  await settled(page, "devices");
+  await page.click("#devices .copy-picture");
+  await page.locator("#devices").getByText("Copied").waitFor();
+  assert.deepEqual(await size(), [90, 60]);
+  await page.context().clearPermissions();
+});
+
 test("selects the request if the browser does not allow copying", async () => {
   await open(few);
   const { page } = world;

@@ -161,7 +161,7 @@ export async function settled(page, panel, state = "done") {
 /** Returns the file that a panel's button saves, in a format with this title. */
 export async function download(page, panel, title) {
   await page.selectOption(`#${panel} .download select`, { label: title });
-  const [saved] = await Promise.all([page.waitForEvent("download"), page.click(`#${panel} .download button`)]);
+  const [saved] = await Promise.all([page.waitForEvent("download"), page.click(`#${panel} .download .primary`)]);
   await settled(page, panel);
   return saved;
 }

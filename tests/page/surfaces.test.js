@@ -365,7 +365,7 @@ test("saves points and meshes, and shows commands that make the same points", as
   const file = path.join(folder, "knot.obj");
   await writeFile(file, await readFile(await kept.path()));
   const titles = () => page.locator("#sample .download option").evaluateAll((options) => options.map(({ value }) => value));
-  assert.deepEqual(await titles(), ["json", "csv", "npy", "ply", "glb"]);
+  assert.deepEqual(await titles(), ["csv", "npy", "ply", "glb", "json"]);
   const points = JSON.parse(await readFile(await (await download(page, "sample", "JSON")).path()));
   const snippet = async (kind) => {
     await page.click(`#sample .kinds button:text-is("${kind}")`);
@@ -381,7 +381,7 @@ test("saves points and meshes, and shows commands that make the same points", as
 
   await page.check("#mesh");
   await settled(page, "sample");
-  assert.deepEqual(await titles(), ["json", "csv", "npy", "ply", "glb", "obj", "stl"]);
+  assert.deepEqual(await titles(), ["csv", "npy", "ply", "glb", "obj", "stl", "json"]);
   const obj = await readFile(await (await download(page, "sample", "Wavefront OBJ")).path(), "utf8");
   assert.ok(obj.match(/^f /gm).length > 1900, obj.slice(0, 200));
 });

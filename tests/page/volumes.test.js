@@ -46,7 +46,7 @@ test("offers the options and formats of points in space", async () => {
   await open();
   const { page } = world;
   const formats = () => page.locator("#sample .download option").evaluateAll((all) => all.map(({ value }) => value));
-  assert.deepEqual(await formats(), ["json", "csv", "npy", "ply", "vtu"]);
+  assert.deepEqual(await formats(), ["csv", "npy", "ply", "vtu", "json"]);
   for (const selector of ["[data-name=method]", "#iteration"]) assert.ok(await page.isHidden(`#sample ${selector}`), selector);
   await page.check("#mesh");
   await settled(page, "sample");

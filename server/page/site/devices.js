@@ -48,6 +48,7 @@ export class Devices extends PicturePanel {
     this.find("[data-name=device]").append(this.swatches, this.swatchesHint);
     this.find(".download").append(this.downloadButton(async (signal) =>
       ({ response: await this.#post(this.#options, signal), name: this.#fileName })));
+    this.addCopy((signal) => this.#postPixels(signal));
     this.snippets = new Snippets(this.find(".snippets"));
     addEventListener("resize", () => this.#fit());
     this.offerFields();
@@ -102,13 +103,17 @@ export class Devices extends PicturePanel {
     this.snippets.showHalftone({ picture: this.picture, options: this.#options, file: this.#fileName });
   }
 
-  /** The preview is a PNG. Files in all formats have the same pixels. */
-  task() {
+  /** Requests the pixels as a PNG. Files in all formats have the same pixels. */
+  #postPixels(signal) {
     const { format, bit_order, invert_bits, width_mm, ...options } = this.#options;
+    return this.#post(options, signal);
+  }
+
+  task() {
     const colours = this.#colours;
     return async (signal) => {
       const start = performance.now();
-      const response = await this.#post(options, signal);
+      const response = await this.#postPixels(signal);
       const canvas = await canvasOf(response);
       if (signal.aborted) return;
       const { width, height } = canvas;

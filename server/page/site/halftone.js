@@ -130,6 +130,7 @@ export class Halftone extends PicturePanel {
       noted: () => this.note(),
     });
     this.addDownload((format, signal) => this.ask(format, signal));
+    this.addCopy((signal) => this.ask("png", signal));
     this.offerFields();
     this.snippets = new Snippets(this.find(".snippets"));
     this.divider.addEventListener("input", () => { this.#tellDivider(); this.viewport.redraw(); });

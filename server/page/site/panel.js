@@ -5,6 +5,8 @@ import { hasKey, Newest } from "./api.js";
 import { make, save } from "./dom.js";
 import { isPicture } from "./file_kind.js";
 
+const copiedFor = 2000;  // ms for which a button tells that it has copied
+
 export class Panel {
   #loads = 0;
 
@@ -132,6 +134,18 @@ export class Panel {
     return button;
   }
 
+  /** Adds a button that copies a PNG, which `ask(signal)` returns. Browsers allow this over HTTPS and on the same machine. */
+  addCopy(ask) {
+    if (!navigator.clipboard?.write) return;
+    const button = make("button", { type: "button", className: "copy-picture", textContent: "Copy", attributes: { "aria-label": "Copy the picture" } });
+    button.addEventListener("click", () => this.start(async (signal) => {
+      await navigator.clipboard.write([new ClipboardItem({ "image/png": ask(signal).then((response) => response.blob()) })]);
+      button.textContent = "Copied";
+      setTimeout(() => { button.textContent = "Copy"; }, copiedFor);
+    }));
+    this.find(".download").prepend(button);
+  }
+
   /** Adds a button that saves the answer of `ask(format, signal)`, and a menu of formats. */
   addDownload(ask) {
     this.format = make("select", { attributes: { "aria-label": "Format" } });
@@ -142,12 +156,13 @@ export class Panel {
   }
 
   /**
-   * Fills the menu of formats, and keeps the selected format if it is still offered.
+   * Fills the menu of formats, JSON last, and keeps the selected format if it is still offered.
    * @param given  names of the options that are set; formats that need other options are omitted
    */
   offerDownloads(formats, file, given = []) {
     const { value } = this.format;
-    const offered = formats.filter(({ needs = [] }) => needs.every((name) => given.includes(name)));
+    const offered = formats.filter(({ needs = [] }) => needs.every((name) => given.includes(name)))
+      .sort((a, b) => (a.name === "json") - (b.name === "json"));
     const options = offered.map(({ name, title, extension }) => {
       const option = new Option(title, name, false, name === value);
       option.dataset.file = `${file}.${extension}`;
