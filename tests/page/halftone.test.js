@@ -7,7 +7,7 @@ import { tmpdir } from "node:os";
 import path from "node:path";
 import { test } from "node:test";
 
-import { data, looksAsKept, run, runInBrowser, settled, slide, useBrowser } from "./harness.js";
+import { data, hasPackage, local, looksAsKept, run, runInBrowser, settled, slide, useBrowser } from "./harness.js";
 
 const world = useBrowser();
 const picture = path.join(data, "images/camera.png");
@@ -478,6 +478,10 @@ test("shows commands that send the same request when pasted", async () => {
     const byCurl = await readFile(path.join(folder, "dots.png"));
     await run("/usr/bin/python3", ["-c", await snippet("Python")], { cwd: folder });
     assert.deepEqual(await readFile(path.join(folder, "dots.png")), byCurl);
+    for (const [kind, ...program] of [["ccdt", "bash"], ...(await hasPackage() ? [["import ccdt", "/usr/bin/python3"]] : [])]) {
+      await run(program[0], ["-c", await snippet(kind)], { cwd: folder, env: local });
+      assert.deepEqual(await readFile(path.join(folder, "dots.png")), byCurl, kind);
+    }
     const printed = `image/png ${byCurl.length}\n`;
     assert.equal(await run(process.execPath, ["--input-type=module", "--eval", await snippet("Node")], { cwd: folder }), printed);
     assert.equal(await runInBrowser(world, await snippet("Browser"), chosen && picture), printed);

@@ -205,6 +205,13 @@ export async function run(command, args, options = {}) {
   return output.stdout;
 }
 
+/** Environment in which the command `ccdt` and the Python package of the same build are found. */
+const built = path.dirname(process.env.CCDT_SERVER);
+export const local = { ...process.env, PATH: `${built}:${process.env.PATH}`, PYTHONPATH: path.join(built, "python") };
+
+/** Whether the Python package was built. */
+export const hasPackage = () => run("/usr/bin/python3", ["-c", "import ccdt"], { env: local }).then(() => true, () => false);
+
 /**
  * Runs a script in a new page, and returns its output to the console. If the script asks for a file, chooses `file`.
  */

@@ -2,11 +2,12 @@
 // Panel that places points in a shape.
 
 import assert from "node:assert/strict";
-import { readFile } from "node:fs/promises";
+import { mkdtemp, readFile, rm } from "node:fs/promises";
+import { tmpdir } from "node:os";
 import path from "node:path";
 import { test } from "node:test";
 
-import { data, download, looksAsKept, run, runInBrowser, settled, slide, useBrowser } from "./harness.js";
+import { data, download, hasPackage, local, looksAsKept, run, runInBrowser, settled, slide, useBrowser } from "./harness.js";
 
 const world = useBrowser();
 const frame = () => world.page.locator("#sample .canvas-frame");
@@ -490,6 +491,13 @@ async function repeats(folder, file) {
   const options = { cwd: folder };
   const byCurl = JSON.parse(await run("bash", ["-c", (await snippet("curl")).replace(" -o points.json", " -s")], options));
   assert.deepEqual(byCurl.points, saved.points);
+  const target = path.join(await mkdtemp(path.join(tmpdir(), "ccdt-page-")), "points.csv");
+  for (const [kind, program] of [["ccdt", "bash"], ...(await hasPackage() ? [["import ccdt", "/usr/bin/python3"]] : [])]) {
+    await run(program, ["-c", (await snippet(kind)).replace("points.csv", target)], { ...options, env: local });
+    const rows = (await readFile(target, "utf8")).trim().split("\n").slice(1);
+    assert.deepEqual(rows.map((row) => row.split(",").slice(0, 2).map(Number)), saved.points, kind);
+  }
+  await rm(path.dirname(target), { recursive: true });
   const printed = `1000 ${saved.variation}\n`;
   assert.equal(await run("/usr/bin/python3", ["-c", await snippet("Python")], options), printed);
   assert.equal(await run(process.execPath, ["--input-type=module", "--eval", await snippet("Node")], options), printed);

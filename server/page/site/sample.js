@@ -60,9 +60,9 @@ const queryOf = (options) => new URLSearchParams(Object.entries(options).map(([n
  */
 function requestOf({ file, json, ...shape }, options) {
   const { type: domain, ...sides } = shape.domain ?? {};
-  if (isDocument({ file }, options)) return { path: `/sample?${queryOf({ ...options, ...(domain && { domain, ...sides }) })}`, body: file.mesh ?? file.archive ?? file.text, type: file.type ?? "application/geo+json", file };
+  if (isDocument({ file }, options)) return { path: `/sample?${queryOf({ ...options, ...(domain && { domain, ...sides }) })}`, body: file.mesh ?? file.archive ?? file.text, type: file.type ?? "application/geo+json", file, options: { ...options, ...(domain && { domain: shape.domain }) } };
   const members = file ? { ...options, geometry: json } : { ...options, ...shape };
-  return { path: "/sample", body: JSON.stringify(members), type: "application/json" };
+  return { path: "/sample", body: JSON.stringify(members), type: "application/json", options: members };
 }
 
 /** Returns whether a file is a mesh, according to its name or its first bytes. Only the server reads meshes. */

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shows the request of the page as code to copy, for curl, JavaScript and Python.
+// Shows the request of the page as code to copy, for curl, JavaScript and Python, the command and the Python package.
 
 import { hasKey } from "./api.js";
 import { make } from "./dom.js";
+import { localHalftone, localSample } from "./local_snippets.js";
 
 const shellQuoted = (text) => `'${text.replaceAll("'", "'\\''")}'`;
 const query = (options) => {
@@ -114,7 +115,7 @@ export class Snippets {
   #kind = "curl";
 
   constructor(element) {
-    const kinds = ["curl", "Browser", "Node", "Python"].map((kind) => {
+    const kinds = ["curl", "Browser", "Node", "Python", "ccdt", "import ccdt"].map((kind) => {
       const button = make("button", { type: "button", textContent: kind });
       button.addEventListener("click", () => { this.#kind = kind; this.#refresh(); });
       return button;
@@ -145,12 +146,12 @@ export class Snippets {
   }
 
   showHalftone(request) {
-    this.#texts = halftoneSnippets(request);
+    this.#texts = { ...halftoneSnippets(request), ...localHalftone(request) };
     this.#refresh();
   }
 
   showSample(request, kind) {
-    this.#texts = sampleSnippets(request, kind);
+    this.#texts = { ...sampleSnippets(request, kind), ...localSample(request, kind) };
     this.#refresh();
   }
 }
