@@ -77,6 +77,28 @@ test("cuts the picture around a point that the user drags", async () => {
   assert.ok(!("gravity" in (await requestedOptions())));
 });
 
+test("compares the pixels with the picture, and enlarges them", async () => {
+  const { page } = world;
+  await open("?width=120&height=80&picture=astronaut.jpg&gravity=0.5,0");
+  const canvas = page.locator("#devices .exact canvas");
+  const tones = () => canvas.evaluate((shown) => {
+    const side = (x) => new Set(shown.getContext("2d").getImageData(x, 0, 60, 80).data.filter((_, i) => i % 4 === 0)).size;
+    return [side(0), side(60)];
+  });
+  assert.deepEqual(await tones(), [2, 2]);
+  await page.getByLabel("Compare", { exact: true }).check();
+  const [left, right] = await tones();
+  assert.ok(left > 100 && right === 2, `${left} ${right}`);
+  await page.selectOption("#devices .view select", "4");
+  const { width, height } = await canvas.boundingBox();
+  assert.deepEqual([width, height], [480, 320]);
+  assert.match(await page.evaluate(() => location.hash), /compare=true&zoom=4/);
+  await page.reload();
+  await settled(page, "devices");
+  assert.equal((await canvas.boundingBox()).width, 480);
+  assert.deepEqual(await tones(), [left, 2]);
+});
+
 /** Runs in a page: counts the pixels in which a part of a screenshot differs from a picture. */
 async function differencesIn([screenshot, picture, left, top]) {
   const pixelsOf = async (base64, x, y, size) => {
@@ -150,7 +172,7 @@ test("shows the colours as sent to a device or as seen on it", async () => {
   assert.deepEqual(await colours(), seen.toSorted());
   let requests = 0;
   world.page.on("request", () => { ++requests; });
-  await world.page.uncheck("#devices .view input");
+  await world.page.uncheck("#devices .view [data-name=seen] input");
   assert.deepEqual(await colours(), sent.toSorted());
   assert.equal(requests, 0);
   assert.equal(await world.page.evaluate(() => location.hash), "#devices?device=bwr&seen=false");

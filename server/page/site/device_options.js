@@ -42,7 +42,9 @@ export const moreFields = [
 
 /** Fields of the preview only. */
 export const viewFields = [
-  { kind: "check", name: "seen", label: "As seen on the device", checked: true },
+  { kind: "check", name: "seen", label: "As seen", checked: true },
+  { kind: "check", name: "compare", label: "Compare", standard: false },
+  { kind: "choice", name: "zoom", label: "Zoom", standard: "1", choices: [1, 2, 4, 8].map((factor) => [String(factor), `${factor} \u00d7`]) },
 ];
 
 /** Presets. Each lists the settings that differ from their initial values. */

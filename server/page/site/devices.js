@@ -22,6 +22,27 @@ function asSeen({ data, width, height }, { sent, seen }) {
   return image;
 }
 
+/** Draws the left half of a picture as it lies in the answer to a request with these options. */
+function drawLeftHalf(context, picture, { rotate = "0", fit, gravity = "0.5,0.5", background = "#ffffff" }) {
+  const { width, height } = context.canvas;
+  const sides = [picture.width, picture.height];
+  const [across, down] = rotate % 180 === 0 ? sides : sides.toReversed();
+  const scale = Math[fit === "cover" ? "max" : "min"](width / across, height / down);
+  const middle = (frame, whole, share) => (frame < whole ? Math.min(Math.max(frame / 2 + (0.5 - share) * whole, frame - whole / 2), whole / 2) : frame / 2);
+  const [x, y] = gravity.split(",");
+  context.save();
+  context.beginPath();
+  context.rect(0, 0, width / 2, height);
+  context.clip();
+  context.fillStyle = background;
+  context.fillRect(0, 0, width, height);
+  context.translate(middle(width, scale * across, x), middle(height, scale * down, y));
+  context.rotate((rotate * Math.PI) / 180);
+  context.imageSmoothingQuality = "high";
+  context.drawImage(picture, ...sides.map((side) => (-scale * side) / 2), ...sides.map((side) => scale * side));
+  context.restore();
+}
+
 const isMeasured = ({ sent, seen }) => sent.some((colour, i) => colour !== seen[i]);
 
 /** Creates a sample of each colour. The upper half is the colour that is sent, the lower half the one that is seen. */
@@ -34,7 +55,7 @@ function swatchesOf({ sent, seen }) {
 }
 
 export class Devices extends PicturePanel {
-  shown = {};  // {pixels, colours, status, warnings} after a request
+  shown = {};  // {pixels, colours, original, options, status, warnings} after a request
 
   constructor(element) {
     super(element, presets, "cat.jpg");
@@ -110,7 +131,7 @@ export class Devices extends PicturePanel {
   }
 
   task() {
-    const colours = this.#colours;
+    const [colours, options] = [this.#colours, this.#options];
     return async (signal) => {
       const start = performance.now();
       const response = await this.#postPixels(signal);
@@ -122,6 +143,7 @@ export class Devices extends PicturePanel {
       this.keepPicture();
       this.showResult({
         pixels: canvas.getContext("2d").getImageData(0, 0, width, height), colours, warnings,
+        original: this.picture.original, options,
         status: `${width} \u00d7 ${height} pixels, ${colours.sent.length} colours, ${seconds(start)}`,
       });
     };
@@ -141,18 +163,22 @@ export class Devices extends PicturePanel {
   }
 
   #draw() {
-    const { pixels, colours } = this.shown;
+    const { pixels, colours, original, options } = this.shown;
     this.canvas.hidden = !pixels;
     if (!pixels) return;
     Object.assign(this.canvas, { width: pixels.width, height: pixels.height });
-    this.canvas.getContext("2d").putImageData(this.view.values().seen ? asSeen(pixels, colours) : pixels, 0, 0);
+    const { seen, compare } = this.view.values();
+    const context = this.canvas.getContext("2d");
+    context.putImageData(seen ? asSeen(pixels, colours) : pixels, 0, 0);
+    if (compare && original) drawLeftHalf(context, original, options);
     this.#fit();
   }
 
-  /** Gives each pixel of the preview one pixel of the screen. */
+  /** Gives each pixel of the preview one pixel of the screen, or a square of them. */
   #fit() {
     const { width, height, style } = this.canvas;
-    style.width = `${width / devicePixelRatio}px`;
-    style.height = `${height / devicePixelRatio}px`;
+    const zoom = (this.view.values().zoom ?? 1) / devicePixelRatio;
+    style.width = `${zoom * width}px`;
+    style.height = `${zoom * height}px`;
   }
 }
