@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Estimates how many dots a picture needs, without the server.
 
-import { linear } from "./light.js";
+import { linear, luminance } from "./light.js";
 
 const side = 96;  // pixels; side of the reduced picture
 
@@ -11,7 +11,6 @@ const side = 96;  // pixels; side of the reduced picture
  */
 const dotsFor = (covered) => covered + 0.6 * Math.max(0, (covered - 0.65) / 0.35) ** 8;
 
-const luminance = (red, green, blue) => 0.2126 * red + 0.7152 * green + 0.0722 * blue;
 const lightness = (light) => (light > 0.008856 ? 1.16 * Math.cbrt(light) - 0.16 : 9.033 * light);
 
 /** Returns a function from the linear light of red, green and blue to the coverage of each ink. */

@@ -15,9 +15,11 @@ const encoded = Uint8ClampedArray.from({ length: steps + 2 }, (_, step) => {
 /** Returns the linear light of a computed CSS colour, `rgb(r, g, b)`: three numbers from 0 to 1. */
 export const lightOfColour = (text) => text.match(/[\d.]+/g).slice(0, 3).map((value) => linear[Math.round(value)]);
 
+/** Returns the luminance of linear light. */
+export const luminance = (red, green, blue) => 0.2126 * red + 0.7152 * green + 0.0722 * blue;
+
 /** Returns the luminance, from 0 to 1, of a colour of the form #rrggbb. */
-export const luminanceOf = (colour) =>
-  [0.2126, 0.7152, 0.0722].reduce((sum, weight, i) => sum + weight * linear[parseInt(colour.slice(2 * i + 1, 2 * i + 3), 16)], 0);
+export const luminanceOf = (colour) => luminance(...[1, 3, 5].map((at) => linear[parseInt(colour.slice(at, at + 2), 16)]));
 
 /**
  * Returns the opacities, from 0 to 255, with which a browser mixes sRGB values so that the light of a colour is mixed with
