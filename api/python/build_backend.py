@@ -6,7 +6,8 @@ pip needs no network.
     pip install . --config-settings build-dir=FOLDER
 
 Without `build-dir`, the package is compiled in build/release of the source tree if server/run has built there, whose
-objects it shares, and else in build/python. A `build-dir` that CMake has configured already is used as it is. Files in the archives have the time SOURCE_DATE_EPOCH, if that variable is set.
+objects it shares, and else in build/python. A `build-dir` that CMake has configured already is used as it is. Files in
+the archives have the time SOURCE_DATE_EPOCH, if that variable is set.
 """
 
 import base64
