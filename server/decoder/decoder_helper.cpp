@@ -216,14 +216,16 @@ private:
 /// Waits for all children, and ends with the exit status of the helper. Apart from the starter, the helper is the first
 /// child to end. Its own children become children of this process only afterwards, and only without a PID namespace. If
 /// a signal kills the starter, there may be no helper, and this process ends like the starter.
-/// @param starter  child that forked the helper
-[[noreturn]] void end_like_helper(pid_t starter) {
+/// @param starter   child that forked the helper
+/// @param adoption  is closed when the starter has ended, so that the helper is a child of this process
+[[noreturn]] void end_like_helper(pid_t starter, UniqueFd adoption) {
     prctl(PR_SET_NAME, "decoder-keeper");
     std::optional<int> end;
     while (true) {
         int status = 0;
         const pid_t child = wait(&status);
         if (child < 0 && errno != EINTR) break;
+        if (child == starter) adoption.reset();
         if (child > 0 && (child != starter || WIFSIGNALED(status)) && !end) end = status;
     }
     if (end && WIFSIGNALED(*end)) {
@@ -239,17 +241,22 @@ private:
 /// The calling process may have several threads, which libraries start early, and such a process cannot enter a user
 /// namespace. Therefore a child enters the namespaces. The helper is a child of that child, because a PID namespace
 /// applies only to children of the process that enters it.
-void continue_in_namespaces(Confinement& confinement) {
+/// @returns  a socket whose other end is closed when the calling process has become the parent of the helper
+UniqueFd continue_in_namespaces(Confinement& confinement) {
     prctl(PR_SET_CHILD_SUBREAPER, 1);
+    auto adoption = make_sockets(SOCK_SEQPACKET);
+    if (!adoption) _exit(kFailed);
     const pid_t child = fork();
     if (child == 0) {
+        adoption->ours.reset();
         enter_namespaces(confinement);
         const pid_t helper = fork();
-        if (helper == 0) return;
+        if (helper == 0) return std::move(adoption->theirs);
         _exit(helper > 0 ? 0 : kFailed);
     }
-    close_range(kOrders, ~0U, 0);
-    end_like_helper(child);
+    dup2(adoption->ours.get(), kOrders);
+    close_range(kOrders + 1, ~0U, 0);
+    end_like_helper(child, UniqueFd(kOrders));
 }
 
 /// Counts the threads of this process; 0 on failure.
@@ -280,12 +287,17 @@ void warm_up(const Decoder& decoder) {
 bool be_helper(const Decoder& decoder) {
     warm_up(decoder);
     Confinement confinement;
-    continue_in_namespaces(confinement);
+    UniqueFd adoption = continue_in_namespaces(confinement);
     prctl(PR_SET_NAME, "decoder-helper");
     const Sandbox sandbox;
     confinement.error(Layer::Landlock) = sandbox.landlock_error();
     confinement.error(Layer::Calls) = sandbox.filter_error();
     drop_privileges(confinement);
+    // Makes the kernel end the helper when the keeper ends. Otherwise, a helper that hangs would keep orders from being
+    // repeated. Neither holds for an earlier parent, nor across a change of the user.
+    receive_message(adoption.get(), {});
+    adoption.reset();
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
     const Hello hello{confinement};
     if (send(kOrders, &hello, sizeof(hello), MSG_NOSIGNAL) != static_cast<ssize_t>(sizeof(hello))) return false;
     Helper(decoder, sandbox).run();

@@ -244,7 +244,6 @@ class Restarts(unittest.TestCase):
 
     def test_are_waited_for_and_logged(self):
         with Server() as server:
-            # While stopped, it accepts no orders and does not end.
             helper, keeper = Family(server).helper(), Family(server).keeper()
             helper.kill(signal.SIGSTOP)
             call = Call(server.url("/halftone?sites=50"), data=CAMERA)
@@ -253,8 +252,20 @@ class Restarts(unittest.TestCase):
             answer = call.answer()
             self.assertEqual(answer.status, 200, (answer.body, server.log()))
             wait_until(lambda: is_ready(server))
-            wait_until(lambda: not keeper.is_running())
-            helper.kill()
+            wait_until(lambda: not keeper.is_running() and not helper.is_running())
+            self.assertEqual(server.stop(), 0)
+
+    def test_follow_the_end_of_the_keeper(self):
+        with Server() as server:
+            family = Family(server)
+            others, keeper = [family.helper(), family.spare()], family.keeper()
+            family.server.kill(signal.SIGSTOP)  # so that its end of the socket for orders stays open
+            try:
+                keeper.kill()
+                wait_until(lambda: not any(process.is_running() for process in others))
+            finally:
+                family.server.kill(signal.SIGCONT)
+            wait_until(lambda: restarts(server) == 1)
             self.assertEqual(server.stop(), 0)
 
 
