@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -15,6 +14,7 @@
 #include "api/output/stage_costs.h"
 #include "api/output/svg_renderer.h"
 #include "api/run/stopwatch.h"
+#include "core/base/elementary.h"
 
 namespace ccdt::api {
 namespace {
@@ -221,7 +221,7 @@ Cost cost_of(const AnalyzeRequest& request) {
             return std::pair(static_cast<double>(given.sets.size()), static_cast<double>(count));
         },
         request.points);
-    const double waves = points * std::pow(request.options.max_frequency, is_in_space ? 3 : 2);
+    const double waves = points * elementary::pow(request.options.max_frequency, is_in_space ? 3 : 2);
     // Number of the cells of the grid, and of the parts in which the frequencies are computed.
     const double cells = waves * (is_in_space ? 64 : 16), parts = std::max(2.3 * cells / kMaxCells, 1.0);
     const bool in_parts = cells > kMaxCells;

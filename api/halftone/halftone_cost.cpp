@@ -11,6 +11,7 @@
 #include "api/output/plot.h"
 #include "api/output/stage_costs.h"
 #include "api/run/estimate.h"
+#include "core/base/elementary.h"
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/halftone/dots/dots.h"
 #include "core/halftone/field/dot_plan.h"
@@ -59,7 +60,7 @@ bool has_ink_channels(const HalftoneRequest& request) {
 /// Returns the number of channels of a field.
 double channels_of(const HalftoneRequest& request) {
     if (!has_ink_channels(request)) return has_channels(request) ? 3 : 1;
-    return std::min(std::exp2(inks_of(request)), static_cast<double>(kMaxInkSets)) - 1;
+    return std::min(elementary::exp2(inks_of(request)), static_cast<double>(kMaxInkSets)) - 1;
 }
 
 /// Returns the maximum number of cells in which a field is planned.

@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/elementary.h"
+
 namespace ccdt::api {
 namespace {
 
@@ -59,7 +61,7 @@ Curve make_power(const Context& context, double gamma) {
 }
 
 float srgb_light(float share) {
-    return share <= 0.04045F ? share / 12.92F : std::pow((share + 0.055F) / 1.055F, 2.4F);
+    return share <= 0.04045F ? share / 12.92F : elementary::pow((share + 0.055F) / 1.055F, 2.4F);
 }
 
 /// Clamps light to [0, 1], since a broken profile may give any value.
@@ -208,7 +210,7 @@ Curve make_transfer_curve(const Context& context, std::uint8_t code) {
     // The inverses of SMPTE 240M and of digital cinema (SMPTE 428). The white of the latter, 48 cd/m2, is below its
     // largest value.
     constexpr std::array<double, 5> k240 = {1 / 0.45, 1 / 1.1115, 0.1115 / 1.1115, 0.25, 0.0913};
-    const std::array<double, 5> cinema = {2.6, std::pow(52.37 / 48, 1 / 2.6), 0, 0, 0};
+    const std::array<double, 5> cinema = {2.6, elementary::pow(52.37 / 48, 1 / 2.6), 0, 0, 0};
     switch (code) {
         case 4:
             return make_power(context, 2.2);
@@ -303,11 +305,13 @@ private:
     /// Returns the light of a PQ sample, or the scene light of a HLG sample.
     float light_of(float share) const {
         if (curve_ == Curve::Pq) {
-            const float root = std::pow(share, 1 / 78.84375F);
-            return std::pow(std::max(root - 0.8359375F, 0.0F) / (18.8515625F - 18.6875F * root), 1 / 0.1593017578125F) *
+            const float root = elementary::pow(share, 1 / 78.84375F);
+            return elementary::pow(std::max(root - 0.8359375F, 0.0F) / (18.8515625F - 18.6875F * root),
+                                   1 / 0.1593017578125F) *
                    10'000 / kWhite;
         }
-        return share <= 0.5F ? share * share / 3 : (std::exp((share - 0.55991073F) / 0.17883277F) + 0.28466892F) / 12;
+        return share <= 0.5F ? share * share / 3
+                             : (elementary::exp((share - 0.55991073F) / 0.17883277F) + 0.28466892F) / 12;
     }
 
     /// Returns the factor on a colour.
@@ -315,7 +319,9 @@ private:
     /// @param luminance  of the scene, for HLG
     float factor(float most, float luminance) const {
         constexpr float kGamma = 1.2F;
-        const float display = curve_ == Curve::Pq ? 1 : luminance > 0 ? kPeak * std::pow(luminance, kGamma - 1) : 0;
+        const float display = curve_ == Curve::Pq ? 1
+                              : luminance > 0     ? kPeak * elementary::pow(luminance, kGamma - 1)
+                                                  : 0;
         const float seen = most * display;
         return display * (1 + seen / (kPeak * kPeak)) / (1 + seen);
     }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <type_traits>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "api/image/broken_image.h"
+#include "core/base/elementary.h"
 #include "core/picture/srgb.h"
 
 namespace ccdt::api {
@@ -61,7 +61,7 @@ struct Encoding {
     float to_linear(float value, std::size_t channel) const {
         if (!curves.empty()) return curves[channel](value);
         if (curve == RowSource::Curve::Linear) return value;
-        if (curve == RowSource::Curve::Gamma) return std::pow(value, gamma);
+        if (curve == RowSource::Curve::Gamma) return elementary::pow(value, gamma);
         return light_of_srgb(value);
     }
 };

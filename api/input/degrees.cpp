@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "api/text/numbers.h"
+#include "core/base/elementary.h"
 #include "core/ccdt/globe/turns.h"
 
 namespace ccdt::api {
@@ -13,7 +14,7 @@ namespace {
 constexpr double kMinRatio = 1.1, kMaxRatio = 100;
 
 double cosine(double degrees) {
-    return std::cos(degrees * kDegree);
+    return elementary::cos(degrees * kDegree);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/elementary.h"
 #include "core/geometry/point.h"
 
 namespace ccdt::api {
@@ -19,7 +20,7 @@ double scale_of(std::span<const Ring> rings) {
         for (const Point& p : ring) largest = std::max({largest, std::abs(p.x), std::abs(p.y)});
     }
     constexpr int kMaxExponent = 1023;
-    return largest > 0 ? std::exp2(-std::clamp(std::ilogb(largest) + 1, -kMaxExponent, kMaxExponent)) : 1;
+    return largest > 0 ? elementary::exp2(-std::clamp(std::ilogb(largest) + 1, -kMaxExponent, kMaxExponent)) : 1;
 }
 
 /// Edge of an outer ring, from its lower to its upper end.

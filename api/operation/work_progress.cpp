@@ -2,11 +2,11 @@
 #include "api/operation/work_progress.h"
 
 #include <algorithm>
-#include <cmath>
 #include <thread>
 
 #include "api/image/image_header.h"
 #include "api/output/stage_costs.h"
+#include "core/base/elementary.h"
 
 namespace ccdt::api {
 namespace {
@@ -96,7 +96,7 @@ void WorkProgress::move() {
     if (now - reported_ < kInterval) return;
     const double remaining = next_ - reached_;
     const std::chrono::duration<double> elapsed = now - since_;
-    report(reached_ + remaining * (1 - std::exp(-elapsed.count() / std::max(remaining * seconds_, kMin))));
+    report(reached_ + remaining * (1 - elementary::exp(-elapsed.count() / std::max(remaining * seconds_, kMin))));
 }
 
 /// Begins the next step.

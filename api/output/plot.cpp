@@ -10,6 +10,7 @@
 
 #include "api/output/pen_labels.h"
 #include "api/text/numbers.h"
+#include "core/base/elementary.h"
 #include "core/points/tour/short_path.h"
 
 namespace ccdt::api {
@@ -39,13 +40,13 @@ void append_turn(std::vector<Point>& stroke, double from, double to, double pen)
     constexpr double kTolerance = 1.0 / 50;
     constexpr int kMinCorners = 8;
     const double outer = std::max(from, to);
-    const double step = 2 * std::acos(std::max(1 - kTolerance * pen / outer, 0.0));
+    const double step = 2 * elementary::acos(std::max(1 - kTolerance * pen / outer, 0.0));
     const int count = std::max(static_cast<int>(std::ceil(2 * std::numbers::pi / step)), kMinCorners);
     for (int i = 1; i <= count; ++i) {
         const double share = static_cast<double>(i) / count;
         const double angle = 2 * std::numbers::pi * share;
         const double radius = from + (to - from) * share;
-        stroke.push_back({radius * std::cos(angle), radius * std::sin(angle)});
+        stroke.push_back({radius * elementary::cos(angle), radius * elementary::sin(angle)});
     }
 }
 

@@ -15,6 +15,7 @@
 #include "api/output/plot.h"
 #include "api/output/ring_curves.h"
 #include "api/text/numbers.h"
+#include "core/base/elementary.h"
 #include "core/points/tour/short_path.h"
 
 namespace ccdt::api {
@@ -92,8 +93,8 @@ public:
           unit_(page.unit()),
           width_(page.size().x),
           height_(page.size().y),
-          decimals_(
-              std::min(kDigits - static_cast<int>(std::floor(std::log10(std::max(width_, height_)))), kMaxDecimals)) {
+          decimals_(std::min(kDigits - static_cast<int>(std::floor(elementary::log10(std::max(width_, height_)))),
+                             kMaxDecimals)) {
         decimals_ = std::max(decimals_, 0);
         body_.expect(dots * kTypicalDotBytes);
         write(R"(<svg xmlns="http://www.w3.org/2000/svg")", attributes, R"( width=")");
@@ -221,7 +222,7 @@ private:
     void strokes(const Plot& plot, const Pen& pen, const PenRun& run, const std::stop_token& stop) {
         write(R"(<g fill="none" stroke=")", hexadecimal(pen.colour), R"(" stroke-width=")", pen.width,
               "\" stroke-linecap=\"round\"", plot.style == DotStyle::Stroke ? "" : " stroke-linejoin=\"round\"", ">\n");
-        Strokes medium(*this, std::max(pen.radius / 50, std::pow(10, -decimals_)), plot.closed, stop);
+        Strokes medium(*this, std::max(pen.radius / 50, elementary::pow(10.0, -decimals_)), plot.closed, stop);
         trace(plot, pen, run, medium);
         medium.close();
         write("</g>\n");
@@ -334,7 +335,7 @@ std::string_view blend_of(const Palette& palette) {
 
 /// Rounds a length to two digits.
 double of_two_digits(double length) {
-    const double digit = std::pow(10, std::floor(std::log10(length)) - 1);
+    const double digit = elementary::pow(10, std::floor(elementary::log10(length)) - 1);
     return digit * std::round(length / digit);
 }
 

@@ -12,6 +12,7 @@
 #include "api/image/overlay.h"
 #include "api/image/png_writer.h"
 #include "api/output/svg_drawing.h"
+#include "core/base/elementary.h"
 
 namespace ccdt::api {
 namespace {
@@ -61,7 +62,7 @@ struct Axis {
     /// Returns an axis that contains [min, max]. It begins and ends at ticks, and has about five ticks.
     static Axis around(double min, double max) {
         const double raw = (max - min) / 4;
-        const double decade = std::pow(10, std::floor(std::log10(raw)));
+        const double decade = elementary::pow(10, std::floor(elementary::log10(raw)));
         double step = 10 * decade;
         for (const double factor : {5, 2, 1}) {
             if (factor * decade >= raw * (1 - 1e-9)) step = factor * decade;
@@ -287,7 +288,7 @@ void draw_power(SvgDrawing& svg, const Analysis& analysis, const Axis& frequenci
 
 void draw_anisotropy(SvgDrawing& svg, const Analysis& analysis, const Axis& frequencies, std::string_view unit) {
     constexpr double kMax = 40;  // dB; values farther from isotropy belong to rings with almost no power
-    const double isotropic = -10 * std::log10(static_cast<double>(analysis.sets));
+    const double isotropic = -10 * elementary::log10(static_cast<double>(analysis.sets));
     const auto [low, high] = std::ranges::minmax(analysis.anisotropy_db);
     const double least = std::max(std::min(low, isotropic - 5), isotropic - kMax);
     const double most = std::min(std::max(high, isotropic + 5), isotropic + kMax);

@@ -6,6 +6,7 @@
 
 #include "api/image/image_header.h"
 #include "api/image/srgb.h"
+#include "core/base/elementary.h"
 
 namespace ccdt::api {
 namespace {
@@ -123,7 +124,7 @@ void GltfMaterials::read_texture(Value texture, Material& material) {
         };
         const auto offset = pair("offset", 0), scale = pair("scale", 1);
         const double angle = GltfDocument::number(GltfDocument::member(transform, "rotation"), 0);
-        const double sine = std::sin(angle), cosine = std::cos(angle);
+        const double sine = elementary::sin(angle), cosine = elementary::cos(angle);
         const std::array<double, 6> matrix{cosine * scale[0], sine * scale[1],   offset[0],
                                            -sine * scale[0],  cosine * scale[1], offset[1]};
         std::ranges::transform(matrix, material.transform.begin(),

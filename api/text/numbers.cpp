@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "core/base/elementary.h"
+
 namespace ccdt::api {
 
 namespace {
@@ -25,12 +27,12 @@ void append_shortest(std::string& out, float value) {
 }
 
 void append_rounded(std::string& out, double value, int decimals) {
-    const double unit = std::pow(10, decimals);
+    const double unit = elementary::pow(10.0, decimals);
     append_shortest(out, std::round(value * unit) / unit + 0.0);  // no -0
 }
 
 void append_fixed(std::string& out, double value, int decimals) {
-    const double unit = std::pow(10, decimals);
+    const double unit = elementary::pow(10.0, decimals);
     char digits[400];                                              // enough for the digits of the largest double
     const double rounded = std::round(value * unit) / unit + 0.0;  // no -0
     out.append(digits, std::to_chars(digits, digits + sizeof digits, rounded, std::chars_format::fixed).ptr);

@@ -13,7 +13,29 @@
 #include <gemmi/third_party/pocketfft_hdronly.h>
 #undef _LIBCPP_HAS_NO_ALIGNED_ALLOCATION
 
+#include "core/base/elementary.h"
 #include "core/base/line_set.h"
+
+/// @cond
+// Twiddle factors that do not depend on the C library: this replaces the only function of pocketfft that calls cos()
+// and sin(). Returns the complex number of absolute value 1 whose angle is x / n of a full circle; angle = pi / (4 n).
+template <>
+inline pocketfft::detail::cmplx<double> pocketfft::detail::sincos_2pibyn<double>::calc(std::size_t x, std::size_t n,
+                                                                                       double angle) {
+    const bool is_below = 2 * x > n;
+    if (is_below) x = n - x;
+    x *= 8;
+    // Of the eight octants, the first four are left.
+    const std::size_t quarter = (x + n) / (2 * n);
+    const bool is_before = x < 2 * n * quarter;
+    const double rest = static_cast<double>(is_before ? 2 * n * quarter - x : x - 2 * n * quarter) * angle;
+    const double cosine = ccdt::elementary::cos(rest);
+    const double sine = is_before ? -ccdt::elementary::sin(rest) : ccdt::elementary::sin(rest);
+    const double real = quarter == 0 ? cosine : quarter == 1 ? -sine : -cosine;
+    const double imaginary = quarter == 0 ? sine : quarter == 1 ? cosine : -sine;
+    return {real, is_below ? -imaginary : imaginary};
+}
+/// @endcond
 
 namespace ccdt {
 namespace {

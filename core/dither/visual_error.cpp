@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/dither/visual_error.h"
 
-#include <cmath>
-
+#include "core/base/elementary.h"
 #include "core/picture/pixel_ranges.h"
 
 namespace ccdt {
@@ -15,9 +14,10 @@ std::array<float, Side> autocorrelation(double blur) {
     constexpr int kReach = static_cast<int>(Side) / 2, kRadius = kReach / 2;
     std::array<double, 2 * kRadius + 1> gaussian{};
     double sum = 0;
-    for (int i = -kRadius; i <= kRadius; ++i) {
-        gaussian[static_cast<std::size_t>(i + kRadius)] = std::exp(-i * i / (2 * blur * blur));
-        sum += gaussian[static_cast<std::size_t>(i + kRadius)];
+    for (std::size_t i = 0; i < gaussian.size(); ++i) {
+        const double distance = static_cast<double>(i) - kRadius;
+        gaussian[i] = elementary::exp(-distance * distance / (2 * blur * blur));
+        sum += gaussian[i];
     }
     std::array<float, Side> result{};
     for (std::size_t shift = 0; shift < Side; ++shift) {

@@ -3,13 +3,13 @@
 
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Constrained_triangulation_face_base_2.h>
-#include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Spatial_sort_traits_adapter_2.h>
 #include <CGAL/Triangulation_face_base_with_info_2.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 #include <CGAL/property_map.h>
 #include <CGAL/spatial_sort.h>
+#include <boost/multiprecision/cpp_int.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -43,6 +43,9 @@ constexpr Wide kEpsilon = 0x1p-112;
 using Wide = long double;
 constexpr Wide kEpsilon = std::numeric_limits<Wide>::epsilon();
 #endif
+
+/// Arithmetic without rounding, by a library that CGAL needs, too. Conversion to double rounds to the nearest.
+using Exact = boost::multiprecision::cpp_rational;
 
 Wide size(Wide value) {
     return value < 0 ? -value : value;
@@ -158,12 +161,9 @@ std::optional<Point> quick_crossing(Point a, Point b, Point c, Point d) {
 
 /// Returns the crossing of two segments, computed exactly and rounded.
 Point exact_crossing(Point a, Point b, Point c, Point d) {
-    using Exact = CGAL::Exact_predicates_exact_constructions_kernel;
-    const auto exact = [](Point p) { return Exact::Point_2(p.x, p.y); };
-    const auto found = CGAL::intersection(Exact::Segment_2(exact(a), exact(b)), Exact::Segment_2(exact(c), exact(d)));
-    const auto* position = boost::get<Exact::Point_2>(&*found);
-    const auto rounded = [](const Exact::FT& value) { return CGAL::to_double(CGAL::exact(value)); };
-    return {rounded(position->x()), rounded(position->y())};
+    const Exact ux = Exact(b.x) - a.x, uy = Exact(b.y) - a.y, vx = Exact(d.x) - c.x, vy = Exact(d.y) - c.y;
+    const Exact share = ((Exact(c.x) - a.x) * vy - (Exact(c.y) - a.y) * vx) / (ux * vy - uy * vx);
+    return {static_cast<double>(Exact(a.x + share * ux)), static_cast<double>(Exact(a.y + share * uy))};
 }
 
 /// Returns the crossing of two segments, rounded to a point within the bounding boxes of both.
@@ -508,9 +508,8 @@ double exact_ordinate(Point a, Point b, double x) {
     const Wide error = kRoundings * kEpsilon * (size(a.y) + size(rise));
     const auto low = static_cast<double>(y - error), high = static_cast<double>(y + error);
     if (low == high) return low;
-    using Number = CGAL::Exact_predicates_exact_constructions_kernel::FT;
-    const Number share = (Number(x) - Number(a.x)) / (Number(b.x) - Number(a.x));
-    return CGAL::to_double(CGAL::exact(Number(a.y) + share * (Number(b.y) - Number(a.y))));
+    const Exact share = (Exact(x) - a.x) / (Exact(b.x) - a.x);
+    return static_cast<double>(Exact(a.y + share * (Exact(b.y) - a.y)));
 }
 
 int exact_in_circle(Point a, Point b, Point c, Point d) {

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "core/base/elementary.h"
+
 namespace ccdt {
 
 /// Returns the distance of neighbours in a hexagonal grid, the densest packing, of `density` sites per unit area.
@@ -16,7 +18,7 @@ inline constexpr double kCubicSpacing = 1.122462048309373;
 
 /// Returns the distance of neighbours in the densest packing of `density` sites per unit of area or, in space, volume.
 inline double densest_spacing(double density, bool in_space) {
-    return in_space ? kCubicSpacing / std::cbrt(density) : hexagonal_spacing(density);
+    return in_space ? kCubicSpacing / elementary::cbrt(density) : hexagonal_spacing(density);
 }
 
 }  // namespace ccdt

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/elementary.h"
 #include "core/geometry/difference.h"
 #include "core/geometry/repair.h"
 #include "core/geometry/simplify.h"
@@ -191,7 +192,7 @@ private:
     /// than `indifference_`.
     double slice(double distance) const {
         constexpr double kMaxSlice = std::numbers::pi / 3;
-        return std::clamp(2 * std::acos(distance / (distance + indifference_)), kSlice, kMaxSlice);
+        return std::clamp(2 * elementary::acos(distance / (distance + indifference_)), kSlice, kMaxSlice);
     }
 
     static constexpr int kMaxHalvings = 10;
@@ -314,13 +315,13 @@ private:
         return 1 / length(by) * by;
     }
 
-    static double turn_between(Point in, Point out) { return std::atan2(cross(in, out), dot(in, out)); }
+    static double turn_between(Point in, Point out) { return elementary::atan2(cross(in, out), dot(in, out)); }
 
     /// Returns by how much the corner between two edges shortens the offset line of each of them.
     /// @param in, out  vectors along the edge that ends at the corner, and along the edge that begins there
     static double shortened(Point in, Point out, double distance) {
         const double turn = turn_between(in, out);
-        return turn > 0 ? distance * std::tan(turn / 2) : 0;
+        return turn > 0 ? distance * elementary::tan(turn / 2) : 0;
     }
 
     static Point normal(Point a, Point b) {
@@ -330,14 +331,14 @@ private:
     }
 
     static Point turned(Point p, double angle) {
-        const double c = std::cos(angle), s = std::sin(angle);
+        const double c = elementary::cos(angle), s = elementary::sin(angle);
         return {c * p.x - s * p.y, s * p.x + c * p.y};
     }
 
     /// Adds the neighbourhood of a segment: a polygon around two half discs and the rectangle between them.
     void add_capsule(Point a, Point b, double reach) {
         const Point up = a == b ? Point{0, 1} : normal(a, b);
-        const double radius = reach / std::cos(kSlice / 2);
+        const double radius = reach / elementary::cos(kSlice / 2);
         Ring capsule;
         for (const auto& [centre, first] : {std::pair{a, up}, {b, -1 * up}}) {
             for (double angle = kSlice / 2; angle < std::numbers::pi; angle += kSlice)
@@ -367,7 +368,7 @@ private:
         const double reach = edge.distance;
         const Point first = normal(before, corner), last = normal(corner, after);
         const int slices = static_cast<int>(std::ceil(-turn / edge.slice));
-        const double slice = turn / slices, radius = reach / std::cos(slice / 2);
+        const double slice = turn / slices, radius = reach / elementary::cos(slice / 2);
         ring.push_back(corner + reach * last);
         for (int i = slices; i-- > 0;) ring.push_back(corner + radius * turned(first, (i + 0.5) * slice));
         ring.push_back(corner + reach * first);

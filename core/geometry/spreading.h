@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <numbers>
 
+#include "core/base/elementary.h"
 #include "core/base/pair.h"
 
 // Spreads points on a grid, and reads values from the grid, with the product of a kernel along x and the same kernel
@@ -53,7 +54,7 @@ inline constexpr double kSteepness = 2.3;
 template <int kWidth>
 double semicircle(double distance) {
     const double share = 2 * distance / kWidth;
-    return std::exp(kSteepness * kWidth * (std::sqrt(std::max(0.0, 1 - share * share)) - 1));
+    return elementary::exp(kSteepness * kWidth * (std::sqrt(std::max(0.0, 1 - share * share)) - 1));
 }
 
 /// Returns the Fourier transform of semicircle() at a frequency of `periods` per `cells` cells.
@@ -65,14 +66,14 @@ double semicircle_spectrum(double periods, int cells) {
     constexpr double kStep = 0.25;
     double sum = semicircle<kWidth>(0) / 2;
     for (int s = 1; s < kSteps; ++s)
-        sum += semicircle<kWidth>(s * kStep) * std::cos(2 * std::numbers::pi * periods * s * kStep / cells);
+        sum += semicircle<kWidth>(s * kStep) * elementary::cos(2 * std::numbers::pi * periods * s * kStep / cells);
     return 2 * kStep * sum;
 }
 
 /// Returns sin(pi x) / (pi x), or 1 for x = 0: the Fourier transform of an interval of length 1 at the frequency x.
 inline double sinc(double x) {
     const double angle = std::numbers::pi * x;
-    return angle == 0 ? 1 : std::sin(angle) / angle;
+    return angle == 0 ? 1 : elementary::sin(angle) / angle;
 }
 
 /// Calls spread(row, column, factor * y[row] * x[column]) for all taps.

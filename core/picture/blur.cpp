@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <numeric>
 
+#include "core/base/elementary.h"
 #include "core/base/lanes.h"
 #include "core/picture/pixel_ranges.h"
 
@@ -102,7 +103,7 @@ void blur_rows(const BoxFilter& box, std::size_t width, float* rows, std::size_t
 std::vector<float> gaussian(double sigma) {
     constexpr double kReach = 3;  // standard deviations
     std::vector<double> samples{0.5};
-    for (int i = 1; i <= kReach * sigma + 0.5; ++i) samples.push_back(std::exp(-0.5 * i * i / (sigma * sigma)));
+    for (int i = 1; i <= kReach * sigma + 0.5; ++i) samples.push_back(elementary::exp(-0.5 * i * i / (sigma * sigma)));
     const double sum = 2 * std::accumulate(samples.begin(), samples.end(), 0.0);
     std::vector<float> weights(samples.size());
     std::ranges::transform(samples, weights.begin(), [sum](double each) { return static_cast<float>(each / sum); });

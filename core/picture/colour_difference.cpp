@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/picture/colour_difference.h"
 
-#include <cmath>
 #include <cstddef>
 
+#include "core/base/elementary.h"
 #include "core/picture/tone.h"
 
 namespace ccdt {
@@ -27,7 +27,7 @@ Lab lab_of(const std::array<double, 3>& light) {
 }
 
 ColourDifference::ColourDifference(const Lab& wanted) : wanted_(wanted) {
-    const double chroma = std::hypot(wanted[1], wanted[2]);
+    const double chroma = elementary::hypot(wanted[1], wanted[2]);
     if (chroma > 0) cosine_ = wanted[1] / chroma, sine_ = wanted[2] / chroma;
     chroma_ = kColour / (1 + 0.045 * chroma);
     hue_ = kColour / (1 + 0.015 * chroma);

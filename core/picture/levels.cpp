@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/base/elementary.h"
 #include "core/picture/pixel_ranges.h"
 #include "core/picture/srgb.h"
 #include "core/picture/tone.h"
@@ -27,7 +28,7 @@ public:
             const double light = std::lerp(double{black_}, double{white_}, static_cast<double>(i) / kSteps);
             const double share =
                 std::clamp((srgb_of_light(light) - levels.black) / (levels.white - levels.black), 0.0, 1.0);
-            table_[i] = static_cast<float>(light_of_srgb(std::pow(share, 1 / levels.gamma)));
+            table_[i] = static_cast<float>(light_of_srgb(elementary::pow(share, 1 / levels.gamma)));
         }
     }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cmath>
+#include "core/base/elementary.h"
 
 namespace ccdt {
 
@@ -9,12 +9,12 @@ namespace ccdt {
 template <class Number>
 Number light_of_srgb(Number value) {
     return value <= Number(0.04045) ? value / Number(12.92)
-                                    : std::pow((value + Number(0.055)) / Number(1.055), Number(2.4));
+                                    : elementary::pow((value + Number(0.055)) / Number(1.055), Number(2.4));
 }
 
 /// Converts linear light to an sRGB value; the inverse of light_of_srgb().
 inline double srgb_of_light(double light) {
-    return light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - 0.055;
+    return light <= 0.0031308 ? 12.92 * light : 1.055 * elementary::pow(light, 1 / 2.4) - 0.055;
 }
 
 /// Returns the light of a partly transparent colour on a ground, as viewers show it: they mix sRGB values.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/elementary.h"
 #include "core/picture/pixel_ranges.h"
 
 namespace ccdt {
@@ -20,12 +21,12 @@ constexpr double kMinInkPerDot = 0.5, kMaxSites = 100'000;
 }  // namespace
 
 float lightness(float luminance) {
-    return luminance <= kLinearBelow ? luminance * kSlope : 1.16f * std::cbrt(luminance) - 0.16f;
+    return luminance <= kLinearBelow ? luminance * kSlope : 1.16f * elementary::cbrt(luminance) - 0.16f;
 }
 
 float lightness_slope(float luminance) {
     if (luminance <= kLinearBelow) return kSlope;
-    const float root = std::cbrt(luminance);
+    const float root = elementary::cbrt(luminance);
     return 1.16f / 3 / (root * root);
 }
 
@@ -65,7 +66,7 @@ double radius_of_drawing(double pixels, double fineness, double usual) {
     constexpr double kPixels = 1e6, kMinRadius = 1;
     constexpr double kUsualFineness = 0.06, kMaxFactor = 4;
     const double times = std::clamp(fineness / kUsualFineness, 1.0, kMaxFactor);  // factor on the number of dots
-    return std::max(usual * std::pow(pixels / kPixels, 0.25) / std::sqrt(times), kMinRadius);
+    return std::max(usual * elementary::pow(pixels / kPixels, 0.25) / std::sqrt(times), kMinRadius);
 }
 
 std::size_t sites_of_drawing(double ink, double fineness, double scale, double pixels, double usual,

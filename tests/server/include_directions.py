@@ -26,6 +26,7 @@ RULES = (
     (re.compile(r"^tl/"), ("core/base/result.h", "core/ccdt/relax/border.h", "core/geometry/delaunay.h",
                            "server/http/problem.h")),
     (re.compile(r"^CGAL/"), ("core/geometry/delaunay.cpp", "core/geometry/delaunay3.cpp")),
+    (re.compile(r"^boost/multiprecision/"), ("core/geometry/delaunay.cpp",)),
     (re.compile(r"^Eigen/"), ("core/points/analysis/laplacian_modes.cpp",)),
     (re.compile(r"^gemmi/"), ("core/base/pocketfft_lines.h",)),
     (re.compile(r"^OpenImageIO/"), ("api/image/library_reader.cpp",)),

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
@@ -15,6 +14,7 @@
 #include "api/output/stage_costs.h"
 #include "api/run/stopwatch.h"
 #include "api/text/text.h"
+#include "core/base/elementary.h"
 #include "core/ccdt/volume/distribute_solid.h"
 #include "core/ccdt/volume/solid.h"
 #include "core/points/order/progressive_order.h"
@@ -166,7 +166,7 @@ double copies_of(const VolumeRequest& request) {
     constexpr double kRim = 4;  // on both sides together, in spacings
     const std::size_t points = request.run.sites + request.run.fixed.size();
     const Point3 sides = unit_sides(request.domain.sides, points);
-    const double spacing = std::cbrt(sides.x * sides.y * sides.z / static_cast<double>(points));
+    const double spacing = elementary::cbrt(sides.x * sides.y * sides.z / static_cast<double>(points));
     return (1 + kRim * spacing / sides.x) * (1 + kRim * spacing / sides.y) * (1 + kRim * spacing / sides.z);
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/elementary.h"
 #include "core/ccdt/globe/turns.h"
 
 namespace ccdt {
@@ -20,10 +21,17 @@ Direction cross(Direction a, Direction b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
+/// Returns sinh(e atanh(e x)) for the eccentricity e and |x| <= 1.
+double stretch(double x) {
+    const double across = kEccentricity * x;
+    const double y = kEccentricity * elementary::log1p(2 * across / (1 - across)) / 2;
+    return y + y * y * y * (1.0 / 6 + y * y / 120);  // the next term is below 1e-18
+}
+
 /// Returns the tangent of the conformal latitude for the tangent of a geodetic latitude.
 double conformal_tangent(double tangent) {
     const double secant = std::sqrt(1 + tangent * tangent);
-    const double sigma = std::sinh(kEccentricity * std::atanh(kEccentricity * tangent / secant));
+    const double sigma = stretch(tangent / secant);
     return tangent * std::sqrt(1 + sigma * sigma) - sigma * secant;
 }
 
@@ -42,7 +50,7 @@ double geodetic_tangent(double conformal) {
 /// Returns the tangent of the conformal latitude; finite even at a pole.
 double conformal_tangent(Direction direction) {
     constexpr double kMin = 1e-16;
-    return direction.z / std::max(std::hypot(direction.x, direction.y), kMin);
+    return direction.z / std::max(elementary::hypot(direction.x, direction.y), kMin);
 }
 
 }  // namespace
@@ -55,14 +63,15 @@ Direction direction_of(Point position) {
     if (std::abs(position.y) >= 90) return {0, 0, std::copysign(1.0, position.y)};
     double longitude = std::remainder(position.x, 360);
     if (longitude == 180) longitude = -180;
-    const double tangent = conformal_tangent(std::tan(position.y * kDegree));
+    const double tangent = conformal_tangent(elementary::tan(position.y * kDegree));
     const double cosine = 1 / std::sqrt(1 + tangent * tangent);
-    return {cosine * std::cos(longitude * kDegree), cosine * std::sin(longitude * kDegree), tangent * cosine};
+    return {cosine * elementary::cos(longitude * kDegree), cosine * elementary::sin(longitude * kDegree),
+            tangent * cosine};
 }
 
 Point position_of(Direction direction) {
-    const double latitude = std::atan(geodetic_tangent(conformal_tangent(direction))) / kDegree;
-    return {std::atan2(direction.y, direction.x) / kDegree, latitude};
+    const double latitude = elementary::atan(geodetic_tangent(conformal_tangent(direction))) / kDegree;
+    return {elementary::atan2(direction.y, direction.x) / kDegree, latitude};
 }
 
 Chart::Chart(Direction centre) : centre_(centre) {

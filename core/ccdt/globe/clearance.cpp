@@ -7,6 +7,8 @@
 #include <numbers>
 #include <utility>
 
+#include "core/base/elementary.h"
+
 namespace ccdt {
 
 Disc disc_on_ground(const Chart& chart, Point position, double metres) {
@@ -15,10 +17,11 @@ Disc disc_on_ground(const Chart& chart, Point position, double metres) {
     constexpr double kVaries = 0.007;  // relative change of the length of a metre on the sphere, per radian of latitude
     const double squared = dot(position, position), length = std::sqrt(squared);
     const double radian = std::sqrt(chart.ground(position)) * (1 + squared / 4);
-    const double from_centre = 2 * std::atan(length / 2), least = metres / radian;
+    const double from_centre = 2 * elementary::atan(length / 2), least = metres / radian;
     const double angle = (1 + kMargin + kVaries * least) * least;
     if (!(from_centre + angle < kMax)) return {position, std::numeric_limits<double>::max()};
-    const double nearest = 2 * std::tan((from_centre - angle) / 2), farthest = 2 * std::tan((from_centre + angle) / 2);
+    const double nearest = 2 * elementary::tan((from_centre - angle) / 2),
+                 farthest = 2 * elementary::tan((from_centre + angle) / 2);
     const Point outwards = length > 0 ? 1 / length * position : Point{1, 0};
     return {(nearest + farthest) / 2 * outwards, (farthest - nearest) / 2};
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/elementary.h"
 #include "core/ccdt/globe/turns.h"
 
 namespace ccdt {
@@ -26,7 +27,7 @@ InverseProjection::InverseProjection(const Domain& degrees)
 Point InverseProjection::operator()(const Chart& chart, Point plane) const {
     const Point position = position_of(chart.to_direction(plane));
     const Point turned{position.x + longitude_wrap_offset(position.x, west_), position.y};
-    const Point nudged = inside_.nearest(turned, std::cos(position.y * kDegree));
+    const Point nudged = inside_.nearest(turned, elementary::cos(position.y * kDegree));
     return nudged == turned ? position : Point{std::remainder(nudged.x, kTurn), nudged.y};
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/elementary.h"
 #include "core/ccdt/globe/turns.h"
 
 namespace ccdt {
@@ -260,7 +261,7 @@ bool ChartBuilder::contains(Direction direction) const {
 double ChartBuilder::distance_to_border(Direction direction) const {
     double nearest = -1;
     for (std::size_t i = 0; i < border_.size(); i += stride_) nearest = std::max(nearest, dot(direction, border_[i]));
-    return std::acos(std::clamp(nearest, -1.0, 1.0));
+    return elementary::acos(std::clamp(nearest, -1.0, 1.0));
 }
 
 /// Moves a point to the local maximum of its distance from the border.
@@ -290,7 +291,7 @@ FarPoint ChartBuilder::far_from_border() const {
     FarPoint outside, inside{{0, 0, 0}, 0, true};
     for (int i = 0; i < kTried; ++i) {
         const double z = 1 - (2 * i + 1.0) / kTried, across = std::sqrt(1 - z * z);
-        const Direction there{across * std::cos(i * golden), across * std::sin(i * golden), z};
+        const Direction there{across * elementary::cos(i * golden), across * elementary::sin(i * golden), z};
         const double distance = distance_to_border(there);
         if (distance <= std::min(outside.distance, inside.distance)) continue;
         FarPoint& known = contains(there) ? inside : outside;
@@ -316,7 +317,7 @@ std::optional<Chart> ChartBuilder::simple_chart() const {
 
 double ChartBuilder::pitch() const {
     double area = 0;
-    for_edges([&](Point a, Point b) { area -= std::sin((a.y + b.y) / 2 * kDegree) * (b.x - a.x) * kDegree; });
+    for_edges([&](Point a, Point b) { area -= elementary::sin((a.y + b.y) / 2 * kDegree) * (b.x - a.x) * kDegree; });
     constexpr double kMin = 1e-20;
     return std::sqrt(std::max(area, kMin) / sites_);
 }
@@ -435,7 +436,7 @@ Result<std::vector<ChartedPart>> ChartBuilder::on_one_chart(const Chart& chart) 
 
 /// Returns the radius in a chart's plane of the circle at an angle in radians from its centre.
 double radius_of(double angle) {
-    return 2 * std::tan(angle / 2);
+    return 2 * elementary::tan(angle / 2);
 }
 
 /// Returns the corners of a circle around a chart's centre.
@@ -445,7 +446,7 @@ Ring circle(double angle) {
     Ring ring;
     for (int i = 0; i < kCorners; ++i) {
         const double turned = 2 * std::numbers::pi * i / kCorners;
-        ring.push_back({radius * std::cos(turned), radius * std::sin(turned)});
+        ring.push_back({radius * elementary::cos(turned), radius * elementary::sin(turned)});
     }
     return ring;
 }

@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "core/base/elementary.h"
+
 namespace ccdt {
 
 namespace {
@@ -27,7 +29,7 @@ public:
         std::vector<long> octaves;
         for (std::size_t feature = 0; feature < ground_.features(); ++feature) {
             const auto dots = static_cast<double>(ground_.dots(feature));
-            octaves.push_back(dots > 0 ? std::lround(std::log2(area(feature) / dots) / 2) : kNone);
+            octaves.push_back(dots > 0 ? std::lround(elementary::log2(area(feature) / dots) / 2) : kNone);
         }
         return octaves;
     }

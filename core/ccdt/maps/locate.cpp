@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/base/elementary.h"
 #include "core/ccdt/maps/feature_area.h"
 #include "core/ccdt/maps/feature_index.h"
 
@@ -17,10 +18,10 @@ constexpr std::size_t kStopStride = 4'096;  ///< points between polls of the sto
 
 double distance_to_edge(Point p, Point a, Point b) {
     const Point along = b - a, to = p - a;
-    const double length = std::hypot(along.x, along.y);
+    const double length = elementary::hypot(along.x, along.y);
     const double at = length > 0 ? std::clamp(dot(to, 1 / length * along), 0.0, length) : 0;
     const Point nearest = length > 0 ? a + at / length * along : a;
-    return std::hypot(p.x - nearest.x, p.y - nearest.y);
+    return elementary::hypot(p.x - nearest.x, p.y - nearest.y);
 }
 
 double distance_to_border(Point p, const Domain& area) {

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/elementary.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
 #include "core/geometry/point3.h"
@@ -23,7 +24,7 @@ inline double cell_side(Point sides, double count) {
 /// Returns the side of cubes of which about `count` cover a box. A flat box has a single layer of cubes.
 inline double cell_side(Point3 sides, double count) {
     const double face = std::max({sides.x * sides.y, sides.y * sides.z, sides.z * sides.x});
-    return std::max(std::cbrt(sides.x * sides.y * sides.z / count), std::sqrt(face / count));
+    return std::max(elementary::cbrt(sides.x * sides.y * sides.z / count), std::sqrt(face / count));
 }
 
 /// Finds the points near a position by means of a grid with about one cell per point. Each crowded cell has a nested

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/elementary.h"
 #include "core/ccdt/polish/cell_list.h"
 #include "core/geometry/hexagonal_spacing.h"
 
@@ -17,7 +18,7 @@ constexpr double kPi = std::numbers::pi;
 Point own_way(std::uint32_t site) {
     constexpr double kGolden = 0.6180339887498949;
     const double angle = 2 * kPi * kGolden * site;
-    return {std::cos(angle), std::sin(angle)};
+    return {elementary::cos(angle), elementary::sin(angle)};
 }
 
 /// Returns the share of the total move of two sites that `site` makes; `other` makes the remaining share.

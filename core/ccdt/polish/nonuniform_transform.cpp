@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/elementary.h"
 #include "core/geometry/axes.h"
 #include "core/geometry/spreading.h"
 
@@ -125,7 +126,7 @@ void ShiftedTransform::run(const std::vector<BasicWeightedPoint<P>>& points, con
         double turns = 0;
         for (std::size_t axis = 0; axis < kAxes<P>; ++axis) turns += middle[axis] * along(position, axis);
         const double angle = -2 * std::numbers::pi * (turns - std::floor(turns));
-        const double along_real = weight * std::cos(angle), along_imaginary = weight * std::sin(angle);
+        const double along_real = weight * elementary::cos(angle), along_imaginary = weight * elementary::sin(angle);
         spread(position, 1, real_.cells_, [&](std::size_t cell, double share) {
             real[cell] += along_real * share;
             imaginary[cell] += along_imaginary * share;

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <type_traits>
 
+#include "core/base/elementary.h"
 #include "core/geometry/spreading.h"
 
 namespace ccdt {
@@ -91,7 +92,7 @@ double OctaveTransport<P>::potential_of(const Wave& wave) const {
 /// Returns the element of levels_ for a spacing, without the limit of the existing octaves.
 template <class P>
 std::uint16_t OctaveTransport<P>::level_of(double spacing) const {
-    const double level = std::log2(spacing / finest_) + kCaution;
+    const double level = elementary::log2(spacing / finest_) + kCaution;
     return static_cast<std::uint16_t>(kLevels * std::clamp(level, 0.0, static_cast<double>(kMaxOctaves - 1)));
 }
 
@@ -124,8 +125,10 @@ void OctaveTransport<P>::add_targets(std::size_t octave) {
             if (number == 0 || cycles >= filter_.end) return;
             Coefficient coefficient = coefficients[number];
             // On a torus, centres of cells are half a cell beyond the grid points.
-            if constexpr (!std::is_same_v<Coefficient, double>)
-                coefficient *= std::polar(1.0, -kPi * dot(f, grid.cell()));
+            if constexpr (!std::is_same_v<Coefficient, double>) {
+                const double phase = -kPi * dot(f, grid.cell());
+                coefficient *= Coefficient(elementary::cos(phase), elementary::sin(phase));
+            }
             const double share = filter_.share(cycles);
             targets[target] +=
                 static_cast<Kept<Coefficient>>(coefficient * Grid::product(share * potential_of(wave), means, wave));

@@ -13,6 +13,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/base/elementary.h"
 #include "core/base/executor.h"
 #include "core/ccdt/polish/push.h"
 #include "core/ccdt/polish/wave_grid.h"
@@ -83,7 +84,7 @@ public:
     /// Returns the argument `finest`; octave_spacing(0) may be larger.
     double finest_spacing() const { return finest_; }
     double octave_spacing(std::size_t octave) const {
-        return std::max(least_, finest_ * std::exp2(static_cast<double>(octave)));
+        return std::max(least_, finest_ * elementary::exp2(static_cast<double>(octave)));
     }
     /// Returns the grid of octave 0.
     Grid& finest() { return octaves_[0].grid; }

@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <span>
 
+#include "core/base/elementary.h"
 #include "core/base/lanes.h"
 #include "core/base/pair.h"
 #include "core/ccdt/polish/grid_frame.h"
@@ -33,7 +33,9 @@ public:
           values_(values) {}
 
     /// Returns the spectrum of the kernel along an axis.
-    static double window(double periods, int cells) { return std::pow(sinc(periods / cells), static_cast<int>(kTaps)); }
+    static double window(double periods, int cells) {
+        return elementary::pow(sinc(periods / cells), static_cast<double>(kTaps));
+    }
 
     /// Returns the padded row of the first taps of a point.
     std::size_t first_layer(Point p) const { return positions<OneLane>({p}).rows[0]; }

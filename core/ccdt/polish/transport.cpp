@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <numbers>
 
+#include "core/base/elementary.h"
+
 namespace ccdt {
 
 namespace {
@@ -37,7 +39,7 @@ constexpr double kLevelSmoothing = 2;
 template <bool kUniform>
 double share_undone(double frequency) {
     const double ratio = frequency / (kUniform ? 0.52 : 0.57), squared = ratio * ratio;
-    return std::exp(kUniform ? -squared * squared * squared : -squared * squared);
+    return elementary::exp(kUniform ? -squared * squared * squared : -squared * squared);
 }
 
 constexpr auto kFirst = std::bit_cast<std::uint32_t>(0x1p-8f);
@@ -120,7 +122,7 @@ std::span<double> Transport::smooth(const std::vector<double>& masses, double si
     const Point cell = grid.cell();
     const double scale = 1 / (grid.scale() * cell.x * cell.y);
     const std::array<std::vector<double>, 2> blurs =
-        grid.along_axes([&](double f, std::size_t) { return std::exp(-2 * kPi * kPi * sigma * sigma * f * f); });
+        grid.along_axes([&](double f, std::size_t) { return elementary::exp(-2 * kPi * kPi * sigma * sigma * f * f); });
     std::copy(masses.begin(), masses.end(), grid.grid().begin());
     grid.forward();
     grid.with_coefficients([&](auto coefficients) {
@@ -137,7 +139,7 @@ std::span<double> Transport::smooth(const std::vector<double>& masses, double si
 
 void Transport::assign_octaves(const std::vector<double>& masses, const std::stop_token& stop) {
     const double finest = octaves_->finest_spacing();
-    const double sparsest = 1 / std::pow(octaves_->octave_spacing(octaves_->kMaxOctaves), 2);
+    const double longest = octaves_->octave_spacing(octaves_->kMaxOctaves), sparsest = 1 / (longest * longest);
     const auto for_spacings = [&](std::span<double> densities, auto&& visit) {
         for_ranges(executor_, densities.size(), kCells, [&](std::size_t begin, std::size_t end) {
             for (std::size_t cell = begin; cell < end; ++cell)

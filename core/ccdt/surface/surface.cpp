@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/elementary.h"
 #include "core/mesh/triangle_links.h"
 
 namespace ccdt {
@@ -199,7 +200,7 @@ std::uint32_t Surface::face_beside(std::uint32_t face) const {
 
 void Surface::mark_creases(std::optional<double> crease) {
     constexpr double kMargin = 1e-12;  // of the cosine; rounding bends planes
-    const double least = crease ? std::cos(std::clamp(*crease, 0.0, std::numbers::pi)) - kMargin : -2;
+    const double least = crease ? elementary::cos(std::clamp(*crease, 0.0, std::numbers::pi)) - kMargin : -2;
     for (Face& face : faces_) {
         for (std::uint32_t k = 0; k < 3; ++k) {
             const bool is_border = face.links.twins[k] == kNone;
@@ -234,8 +235,8 @@ void Surface::compute_vertex_normals() {
     for (std::size_t f = 0; f < faces_.size(); ++f) {
         const auto face = static_cast<std::uint32_t>(f);
         for (std::uint32_t k = 0; k < 3; ++k) {
-            const double angle =
-                std::atan2(2 * faces_[f].area, -dot(edge_vector(face, k), edge_vector(face, Links::previous(k))));
+            const double angle = elementary::atan2(2 * faces_[f].area,
+                                                   -dot(edge_vector(face, k), edge_vector(face, Links::previous(k))));
             Point3& normal = normals_[faces_[f].links.corners[k]];
             normal = normal + angle * faces_[f].normal;
         }

@@ -2,11 +2,11 @@
 #include "core/ccdt/surface/surface_repair.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <tuple>
 #include <utility>
 
+#include "core/base/elementary.h"
 #include "core/ccdt/surface/party_walls.h"
 #include "core/ccdt/surface/shell_nesting.h"
 #include "core/geometry/morton.h"
@@ -293,7 +293,7 @@ bool Connector::pair_by_angle(std::uint32_t low, std::uint32_t high) {
     const Point3 outwards = cross(across, 1 / length(axis) * axis);
     for (Angle& side : group_) {
         const Point3 p = opposite(side.edge) - positions_[low];
-        side.angle = std::atan2(dot(p, across), dot(p, outwards));
+        side.angle = elementary::atan2(dot(p, across), dot(p, outwards));
     }
     std::sort(group_.begin(), group_.end());
     // The inside is at larger angles if the edge runs downwards, and at smaller angles if it runs upwards.

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/base/elementary.h"
 #include "core/base/random.h"
 #include "core/ccdt/relax/relaxation.h"
 #include "core/mesh/move_guard.h"
@@ -256,8 +257,8 @@ typename BlockRelaxation<Domain>::Sums BlockRelaxation<Domain>::relax_block(cons
             }
             const auto faces = static_cast<double>(count);
             // A site with f opposite faces has f / 2 + 2 neighbours, by Euler's formula.
-            const double stiffness = kSpring * std::pow(even, 4.0 / 3) * (faces / 2 + 2);
-            const double local = fans.weights.empty() ? 1 : std::pow(mean_weight / faces, 2.0 / 3);
+            const double stiffness = kSpring * elementary::pow(even, 4.0 / 3) * (faces / 2 + 2);
+            const double local = fans.weights.empty() ? 1 : elementary::pow(mean_weight / faces, 2.0 / 3);
             equations.add_spring(local * stiffness, 1 / (3 * faces) * middle);
             Point3 move = kRelaxation * equations.solve();
             const double size = length(move), longest = kMaxMove * spacing_.side(domain_.in_box(position));

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/base/elementary.h"
 #include "core/ccdt/volume/point_text.h"
 #include "core/geometry/axes.h"
 
@@ -201,7 +202,7 @@ Solid::Coverage Solid::coverage(double count, const std::stop_token& stop) const
     Coverage result;
     // A flat box has a single layer of cells, and a needle a single row.
     const double cell =
-        std::max({std::cbrt(sides_.x * sides_.y * sides_.z / count), std::sqrt(sides_.x * sides_.y / count),
+        std::max({elementary::cbrt(sides_.x * sides_.y * sides_.z / count), std::sqrt(sides_.x * sides_.y / count),
                   std::sqrt(sides_.y * sides_.z / count), std::sqrt(sides_.z * sides_.x / count), sides_.x / count,
                   sides_.y / count, sides_.z / count});
     Point3 per_length;

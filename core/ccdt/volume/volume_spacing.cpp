@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/elementary.h"
+
 namespace ccdt {
 
 namespace {
@@ -33,12 +35,12 @@ double side_at(const BoxDomain3& domain, const VoxelDensity& density, double poi
         }
         return density.mass(cube) * points / part;
     };
-    double low = 0, high = std::cbrt(domain.volume()), side = high / std::cbrt(points);
+    double low = 0, high = elementary::cbrt(domain.volume()), side = high / elementary::cbrt(points);
     for (int step = 0; step < kSteps; ++step) {
         const double number = held(side);
         if (std::abs(number - 1) < kTolerance) return side;
         (number < 1 ? low : high) = side;
-        const double guess = number > 0 ? side / std::cbrt(number) : high;  // right if the density is uniform
+        const double guess = number > 0 ? side / elementary::cbrt(number) : high;  // right if the density is uniform
         side = step % 2 == 0 && guess > low && guess < high ? guess : (low + high) / 2;
     }
     return high;
@@ -48,7 +50,7 @@ double side_at(const BoxDomain3& domain, const VoxelDensity& density, double poi
 
 VolumeSpacing::VolumeSpacing(const BoxDomain3& domain, const VoxelDensity& density, std::size_t points,
                              Executor& executor, const std::stop_token& stop)
-    : mean_(std::cbrt(domain.volume() / static_cast<double>(points))), domain_sides_(domain.sides) {
+    : mean_(elementary::cbrt(domain.volume() / static_cast<double>(points))), domain_sides_(domain.sides) {
     if (density.is_uniform()) return;
     const auto cells = [&](double side) {
         return static_cast<std::size_t>(std::clamp(std::ceil(kCellsPerSpacing * side / mean_), 2.0, kMaxCells));
@@ -90,7 +92,7 @@ double VolumeSpacing::side(Point3 p) const {
         [&](std::size_t axis) { return std::clamp(along(p, axis) / along(domain_sides_, axis), 0.0, 1.0); });
     const double density = crowded_->at(position);
     if (density < many_) return side;
-    const double own = mean_ / std::cbrt(density);
+    const double own = mean_ / elementary::cbrt(density);
     return own < kShort * side ? own : side;
 }
 

@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <span>
+
+#include "core/base/elementary.h"
 
 namespace ccdt {
 
@@ -30,10 +31,10 @@ constexpr double kMaxVolumes = 3.8, kUsualCells = 1 << 17, kManyCells = 1 << 19;
 /// @param contrast  mean density at the points, relative to the mean density of the box
 double finest_spacing(const BoxDomain3& box, double contrast, const VolumeSpacing& spacing, double points,
                       double cells) {
-    const double volume = std::pow(cells, 3) * points;
+    const double volume = cells * cells * cells * points;
     const double most = std::max({kUsualCells, kMaxVolumes * volume, std::min(kManyCells, kMaxContrast * volume)});
-    double finest =
-        std::max(spacing.mean() / std::cbrt(std::min(contrast, kMaxContrast)), cells * std::cbrt(box.volume() / most));
+    double finest = std::max(spacing.mean() / elementary::cbrt(std::min(contrast, kMaxContrast)),
+                             cells * elementary::cbrt(box.volume() / most));
     // Thin domains have more cells, because each axis has at least kMinCells, and a margin.
     const auto along_side = [&](double side) {
         return std::max<double>(OctaveTransport<Point3>::kMinCells, cells * side / finest) +
@@ -51,7 +52,10 @@ OctaveTransport<Point3> volume_transport(const BoxDomain3& box, double volume, c
     const auto count = static_cast<double>(points);
     const double cells = precise ? kPreciseCells : kCellsPerSpacing;
     const double contrast = spacing.is_uniform() ? 1 : density.contrast() * volume / box.volume();
-    const auto share_removed = [](double frequency) { return std::exp(-std::pow(frequency / 0.5, 4)); };
+    const auto share_removed = [](double frequency) {
+        const double square = 4 * frequency * frequency;
+        return elementary::exp(-square * square);
+    };
     const auto all = [](double) { return 1.0; };
     OctaveTransport<Point3> transport(
         {box.periodic, {}, box.sides}, finest_spacing(box, contrast, spacing, count, cells), 0,

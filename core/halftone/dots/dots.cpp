@@ -10,6 +10,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "core/base/elementary.h"
 #include "core/halftone/dots/diffusion.h"
 #include "core/picture/pixel_ranges.h"
 
@@ -186,7 +187,7 @@ Fitted fit_radius(std::span<const Point> dots, const Canvas& canvas, const DotOp
     const double mean_coverage = std::clamp(options.mean_coverage, 0.0, 1.0);
     const auto wanted = static_cast<std::size_t>(std::lround(mean_coverage * pixels));
     const double without_overlap = std::sqrt(mean_coverage * pixels / (kPi * static_cast<double>(dots.size())));
-    const double furthest = std::hypot(canvas.width, canvas.height) + 1;
+    const double furthest = elementary::hypot(canvas.width, canvas.height) + 1;
     for (double reach = std::min(1.4 * without_overlap + 2, furthest);; reach = std::min(1.6 * reach, furthest)) {
         Values map = squared_distances(dots, canvas, reach, stop, executor);
         const float squared = smallest(map, std::max(wanted, std::size_t{1}));

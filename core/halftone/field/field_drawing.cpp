@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "core/base/elementary.h"
 #include "core/halftone/dots/dot_rounding.h"
 #include "core/halftone/dots/level_outline.h"
 #include "core/halftone/dots/ring_reduction.h"
@@ -112,7 +113,7 @@ public:
         grid_ = 2 * narrowest() < kMinIfHalved ? cells : half;
         if (grid_ == cells) step_ = spacings.in(cells);
         least_ = narrowest();
-        const auto of = [least = static_cast<float>(least_)](float length) { return std::log2(length / least); };
+        const auto of = [least = static_cast<float>(least_)](float length) { return elementary::log2(length / least); };
         steps_ = static_cast<int>(std::ceil(of(*std::ranges::max_element(step_)))) + 1;
         for_pixels(executor, step_.size(), [&](std::size_t i) { step_[i] = of(step_[i]); });
     }
@@ -144,7 +145,7 @@ public:
                 const float weight = 1 - std::abs(step_[i] - static_cast<float>(step));
                 result[i] += gain * std::max(weight, 0.0f) * values[i];
             });
-            if (step + 1 < steps_) widen(values, std::exp2(step) * sigma * std::numbers::sqrt3);
+            if (step + 1 < steps_) widen(values, elementary::exp2(step) * sigma * std::numbers::sqrt3);
         }
         return result;
     }

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/base/elementary.h"
 #include "core/halftone/field/dot_plan.h"
 #include "core/halftone/inks/ink_mixture.h"
 #include "core/picture/blur.h"
@@ -97,7 +98,7 @@ struct CellDensity {
 CellDensity density_of(float luminance, float share) {
     constexpr float kMu = 0.05f, kShadow = 0.35f, kHighlight = 0.65f, kShare = 0.6f;
     const float tone = std::clamp((luminance - kShadow) / (kHighlight - kShadow), 0.0f, 1.0f);
-    return {std::log1p(share * lightness_slope(luminance) / kMu) * (kShare + (1 - kShare) * tone), share,
+    return {elementary::log1p(share * lightness_slope(luminance) / kMu) * (kShare + (1 - kShare) * tone), share,
             luminance < 0.5f};
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "core/base/elementary.h"
 #include "core/geometry/point.h"
 
 namespace ccdt {
@@ -43,7 +44,7 @@ struct Contour {
 };
 
 double length(Point p) {
-    return std::hypot(p.x, p.y);
+    return elementary::hypot(p.x, p.y);
 }
 
 /// Returns rays from a centre to positions along a side; the distances are 0.
@@ -106,8 +107,9 @@ public:
         mean_ = std::sqrt(squares / angle);
         for (std::size_t i = 0; i <= kScales; ++i) {
             const double scale = static_cast<double>(i) / kScales;
-            shares_[i] = outer.share(
-                [&](double edge) { return scale * mean_ * std::pow(edge / mean_, std::pow(scale, kRoundness)); });
+            shares_[i] = outer.share([&](double edge) {
+                return scale * mean_ * elementary::pow(edge / mean_, elementary::pow(scale, kRoundness));
+            });
         }
     }
 
@@ -116,11 +118,12 @@ public:
     double share(Point position, double edge) const {
         // Solves log(scale) + scale^kRoundness log(edge / mean) = log(distance / mean) by Newton's method.
         constexpr int kSteps = 8;
-        const double bulge = std::log(edge / mean_), wanted = std::log(length(position - centre_) / mean_);
+        const double bulge = elementary::log(edge / mean_),
+                     wanted = elementary::log(length(position - centre_) / mean_);
         double scale = std::min(length(position - centre_) / mean_, 1.0);
         for (int i = 0; i < kSteps; ++i)
-            scale -= (std::log(scale) + std::pow(scale, kRoundness) * bulge - wanted) /
-                     (1 / scale + kRoundness * std::pow(scale, kRoundness - 1) * bulge);
+            scale -= (elementary::log(scale) + elementary::pow(scale, kRoundness) * bulge - wanted) /
+                     (1 / scale + kRoundness * elementary::pow(scale, kRoundness - 1) * bulge);
         const double at = std::clamp(scale, 0.0, 1.0) * kScales;
         const auto below = std::min(static_cast<std::size_t>(at), kScales - 1);
         return shares_[below] + (at - static_cast<double>(below)) * (shares_[below + 1] - shares_[below]);

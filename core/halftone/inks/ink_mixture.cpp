@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/base/elementary.h"
 #include "core/picture/colour_difference.h"
 #include "core/picture/srgb.h"
 
@@ -94,11 +95,11 @@ private:
             least = std::min(least, shares_[j]);
         }
         for (double& each : shares_) {
-            each = std::exp((least - each) / kTau);
+            each = elementary::exp((least - each) / kTau);
             sum += each;
         }
         for (double& each : shares_) each /= sum;
-        return least - kTau * std::log(sum) + dot(dual, off_) - dot(dual, dual) / (4 * exact_);
+        return least - kTau * elementary::log(sum) + dot(dual, off_) - dot(dual, dual) / (4 * exact_);
     }
 
     Lab mean_position() const {

@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
-#include <cmath>
 #include <numeric>
+
+#include "core/base/elementary.h"
 
 namespace ccdt {
 
@@ -20,8 +21,9 @@ using Channels = Overprint::Channels;
 /// Fitted to 1,300 flat tints of two to four inks, with 8,000 dots and quality standard. The root mean square error of
 /// the share that both inks cover is 0.002. Shown by Overprint.MatchesRasterizedDots.
 double overlap(double a, double b, double others) {
-    const double crowding = 1.94 * (a * a + b * b) + 0.73 * a * b + 0.91 * (1 - std::exp(-others / 0.68)) - 0.106;
-    return 1 - std::exp(-std::max(0.0, crowding));
+    const double crowding =
+        1.94 * (a * a + b * b) + 0.73 * a * b + 0.91 * (1 - elementary::exp(-others / 0.68)) - 0.106;
+    return 1 - elementary::exp(-std::max(0.0, crowding));
 }
 
 /// Returns the coverage that an ink loses because dots of other inks push its dots. These pushes make the pattern of
@@ -32,7 +34,7 @@ double overlap(double a, double b, double others) {
 /// Fitted in the same way as overlap(); the error is 0.002.
 double disorder(double own, double others) {
     const double crowd = others / 0.22, off = (own - 1.015) / 0.243;
-    return 0.016 * (1 - std::exp(-crowd * crowd)) * std::exp(-off * off / 2);
+    return 0.016 * (1 - elementary::exp(-crowd * crowd)) * elementary::exp(-off * off / 2);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "core/base/elementary.h"
 #include "core/picture/blur.h"
 #include "core/picture/colour_difference.h"
 #include "core/picture/srgb.h"
@@ -68,7 +69,7 @@ PrintProof::PrintProof(const LightPlanes& light, const CellGrid& cells, int widt
     rows_ = (height_ + kCell - 1) / kCell;
     for (std::size_t i = 0; i < directions_.size(); ++i) {
         const double angle = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(directions_.size());
-        directions_[i] = {std::cos(angle), std::sin(angle)};
+        directions_[i] = {elementary::cos(angle), elementary::sin(angle)};
     }
     for (std::size_t bits = 0; bits < std::size_t{1} << inks.inks.size(); ++bits) {
         std::vector<float> cover;

@@ -13,6 +13,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/base/elementary.h"
 #include "core/ccdt/polish/nonuniform_transform.h"
 #include "core/geometry/axes.h"
 #include "core/geometry/hexagonal_spacing.h"
@@ -51,7 +52,7 @@ struct UnitBox {
     }
 
     /// Returns the side of a square or a cube.
-    static double root(double content) { return kAxes<P> == 2 ? std::sqrt(content) : std::cbrt(content); }
+    static double root(double content) { return kAxes<P> == 2 ? std::sqrt(content) : elementary::cbrt(content); }
 
     /// Returns a value divided by the side of the square or cube that is as large as the box.
     double per_side(double value) const {
@@ -77,8 +78,8 @@ struct UnitBox {
 
     /// Returns the magnitude of a frequency for the box scaled to unit area or volume, in cycles per unit of length.
     double frequency(Wave wave) const {
-        const double flat = std::hypot(wave.x / sides.x, wave.y / sides.y);
-        if constexpr (kAxes<P> == 3) return std::hypot(flat, wave.z / sides.z);
+        const double flat = elementary::hypot(wave.x / sides.x, wave.y / sides.y);
+        if constexpr (kAxes<P> == 3) return elementary::hypot(flat, wave.z / sides.z);
         return flat;
     }
 
@@ -142,7 +143,7 @@ double middle_density(const std::vector<P>& set, const UnitBox<P>& frame) {
         });
         return inner;
     });
-    return static_cast<double>(count) / std::pow(1 - 2 * kMargin, kAxes<P>);
+    return static_cast<double>(count) / elementary::pow(1 - 2 * kMargin, kAxes<P>);
 }
 
 template <class P>
@@ -186,7 +187,7 @@ Result<Plan> make_plan(Sets<P> sets, const UnitBox<P>& frame, const AnalysisOpti
 
 /// Returns Hann's window along one axis, scaled such that the mean of its square is 1.
 double hann(double share) {
-    return (1 - std::cos(2 * std::numbers::pi * share)) * std::sqrt(2.0 / 3);
+    return (1 - elementary::cos(2 * std::numbers::pi * share)) * std::sqrt(2.0 / 3);
 }
 
 /// Returns the Fourier transform of hann().
@@ -258,7 +259,7 @@ Wave reach_of_parts(Wave highest, std::size_t axes) {
     double cells = static_cast<double>(kMaxCells) / 2;
     for (std::size_t rest = axes; rest > 0; --rest) {
         int& side = *reach[axes - rest];
-        side = std::min(side, static_cast<int>(std::pow(cells, 1 / static_cast<double>(rest)) / 4));
+        side = std::min(side, static_cast<int>(elementary::pow(cells, 1 / static_cast<double>(rest)) / 4));
         cells /= 4 * std::max(side, 6);
     }
     return highest;
@@ -383,7 +384,7 @@ std::vector<Ring> measure_rings(const UnitBox<P>& frame, const Plan& plan, Layer
 double anisotropy(const Ring& ring) {
     constexpr double kMinVariance = 1e-30, kMinPower = 1e-15;
     const double power = std::max(ring.mean, kMinPower);
-    return 10 * std::log10(std::max(ring.variance, kMinVariance) / (power * power));
+    return 10 * elementary::log10(std::max(ring.variance, kMinVariance) / (power * power));
 }
 
 template <class P>

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
@@ -104,8 +103,10 @@ private:
         for (const std::uint32_t i : remaining_) reaches_.push_back(reach * spacings_[i]);
         NearPairs listed{{}, 1, static_cast<double>(target_) * frame_.part_of(kMinDistance / kReach)};
         if (uniform_) listed.reach = reach * frame_.usual_spacing(points_.size());
-        if (const std::size_t last = last_planned(target_); last > 0)
-            listed.square = std::min(1.0, std::pow(frame_.side_of(listed.points / static_cast<double>(last)), 2));
+        if (const std::size_t last = last_planned(target_); last > 0) {
+            const double side = frame_.side_of(listed.points / static_cast<double>(last));
+            listed.square = std::min(1.0, side * side);
+        }
         crowd_.emplace(frame_, near_, reaches_, widest_, listed, executor_, stop);
         next_pair_ = 0;
         next_plan_ = remaining_.size();

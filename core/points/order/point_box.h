@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/elementary.h"
 #include "core/ccdt/polish/cell_list.h"
 #include "core/geometry/axes.h"
 #include "core/geometry/domain.h"
@@ -34,7 +35,7 @@ struct PointBox {
     }
 
     /// Returns the side of a square of a given area or, in a solid domain, of a cube of a given volume.
-    double side_of(double part) const { return is_solid ? std::cbrt(part) : std::sqrt(part); }
+    double side_of(double part) const { return is_solid ? elementary::cbrt(part) : std::sqrt(part); }
 
     /// Returns the area of a square with a given side or, in a solid domain, the volume of a cube.
     double part_of(double side) const { return is_solid ? side * side * side : side * side; }

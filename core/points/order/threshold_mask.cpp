@@ -9,6 +9,7 @@
 #include <span>
 #include <utility>
 
+#include "core/base/elementary.h"
 #include "core/base/random.h"
 
 namespace ccdt {
@@ -35,7 +36,7 @@ public:
         const int taps = std::min(2 * radius_ + 1, period);
         values_.assign(static_cast<std::size_t>(taps), 0);
         for (int i = -radius_; i <= radius_; ++i)
-            values_[static_cast<std::size_t>((i + radius_) % taps)] += std::exp(-i * i / (2 * sigma * sigma));
+            values_[static_cast<std::size_t>((i + radius_) % taps)] += elementary::exp(-i * i / (2 * sigma * sigma));
     }
 
     /// Calls function(begin, values) for one or two ranges of successive coordinates, which begin at `begin`, with the
