@@ -282,15 +282,29 @@ HttpResult<void> check_request(const Request& request) {
     return {};
 }
 
-bool prefers(const Request& request, std::string_view preference) {
+std::optional<std::string_view> take_unquoted(std::string_view& text, char separator) {
+    bool quoted = false;
+    std::size_t at = 0;
+    for (; at < text.size() && (quoted || text[at] != separator); ++at) {
+        if (text[at] == '"') quoted = !quoted;
+        if (quoted && text[at] == '\\') ++at;
+    }
+    if (quoted || at > text.size()) return std::nullopt;
+    const auto part = text.substr(0, at);
+    text.remove_prefix(std::min(at + 1, text.size()));
+    return part;
+}
+
+std::optional<std::string_view> find_preference(const Request& request, std::string_view preference) {
     for (const auto& [name, value] : request.headers) {
         std::string_view rest = equals_ignoring_case(name, "Prefer") ? value : std::string_view();
         while (!rest.empty()) {
-            const auto given = api::take_until(rest, ",");
-            if (equals_ignoring_case(api::trim(given.substr(0, given.find_first_of("=;"))), preference)) return true;
+            auto given = take_unquoted(rest, ',');
+            if (!given) given = api::take_until(rest, ",");
+            if (equals_ignoring_case(api::trim(given->substr(0, given->find_first_of("=;"))), preference)) return given;
         }
     }
-    return false;
+    return std::nullopt;
 }
 
 std::vector<api::TextOption> parse_query(std::string_view query) {

@@ -31,8 +31,18 @@ HttpResult<void> check_trailer(std::string_view line);
 /// Problems: no Host (400), a repeated field that must be single (400), an unsupported expectation (417).
 HttpResult<void> check_request(const Request& request);
 
-/// Whether a Prefer header (RFC 7240) contains a preference, regardless of its value.
-bool prefers(const Request& request, std::string_view preference);
+/// Finds a preference in the Prefer headers (RFC 7240). header_parameter() returns its parameters.
+/// @returns  the preference with its value and parameters, as sent
+std::optional<std::string_view> find_preference(const Request& request, std::string_view preference);
+
+/// Whether the Prefer headers contain a preference, regardless of its value.
+inline bool prefers(const Request& request, std::string_view preference) {
+    return find_preference(request, preference).has_value();
+}
+
+/// Removes the text up to the first separator outside quotes from `text`, and returns it.
+/// @returns  none if a quote is not closed
+std::optional<std::string_view> take_unquoted(std::string_view& text, char separator);
 
 /// Returns the decoded parameters of a query in order, including repeated ones; `+` becomes a space.
 std::vector<api::TextOption> parse_query(std::string_view query);

@@ -48,21 +48,6 @@ Hops x_forwarded_for(std::string_view field) {
     return hops;
 }
 
-/// Removes the text up to the first separator outside quotes from `text`, and returns it.
-/// @returns  none if a quote is not closed
-std::optional<std::string_view> take_unquoted(std::string_view& text, char separator) {
-    bool quoted = false;
-    std::size_t at = 0;
-    for (; at < text.size() && (quoted || text[at] != separator); ++at) {
-        if (text[at] == '"') quoted = !quoted;
-        if (quoted && text[at] == '\\') ++at;
-    }
-    if (quoted || at > text.size()) return std::nullopt;
-    const auto part = text.substr(0, at);
-    text.remove_prefix(std::min(at + 1, text.size()));
-    return part;
-}
-
 /// Removes enclosing quotes, if any. Does not decode escapes, because addresses need none.
 std::string_view unquote(std::string_view value) {
     const bool quoted = value.size() >= 2 && value.starts_with('"') && value.ends_with('"');

@@ -162,6 +162,17 @@ TEST(Prefers, FindsAPreferenceAmongOthers) {
     EXPECT_TRUE(prefers(twice, "respond-async"));
 }
 
+TEST(Prefers, FindsParametersInQuotes) {
+    Request request;
+    request.headers = {{"Prefer", R"(respond-async, Callback; url="https://example.org/a?b=c,d;e", wait=10)"}};
+    const auto callback = find_preference(request, "callback");
+    ASSERT_TRUE(callback);
+    EXPECT_EQ(header_parameter(*callback, "url"), "https://example.org/a?b=c,d;e");
+    EXPECT_TRUE(prefers(request, "wait"));
+    request.headers = {{"Prefer", R"(x="y, respond-async)"}};
+    EXPECT_TRUE(prefers(request, "respond-async")) << "the quote is not closed";
+}
+
 TEST(MediaType, IsLowercaseWithoutParameters) {
     EXPECT_EQ(media_type("Application/JSON; charset=utf-8"), "application/json");
     EXPECT_EQ(media_type(""), "");
