@@ -115,16 +115,6 @@ std::string set_cors_origins(Draft& draft, std::string_view text) {
     }
 }
 
-/// Returns a host in the form that `allows_host` needs; none if the text has a port or is neither name nor address.
-std::optional<std::string> parse_host(std::string_view text) {
-    const bool has_brackets = text.starts_with('[') && text.ends_with(']');
-    if (has_brackets) text = text.substr(1, text.size() - 2);
-    if (const auto address = IpAddress::parse(text)) return address->text();
-    const auto is_of_name = [](char c) { return c > ' ' && c < 0x7f && c != ':' && c != '/'; };
-    if (text.empty() || has_brackets || !std::ranges::all_of(text, is_of_name)) return std::nullopt;
-    return to_lower_case(text);
-}
-
 std::string set_allowed_hosts(Draft& draft, std::string_view text) {
     auto& hosts = draft.allowed_hosts.emplace();
     for (bool more = true; more;) {

@@ -29,6 +29,39 @@ std::optional<std::string_view> host_of_authority(std::string_view authority) {
     return host.substr(1, host.size() - 2);
 }
 
+std::optional<std::string> parse_host(std::string_view text) {
+    const bool has_brackets = text.starts_with('[') && text.ends_with(']');
+    if (has_brackets) text = text.substr(1, text.size() - 2);
+    if (const auto address = IpAddress::parse(text)) return address->text();
+    const auto is_of_name = [](char c) { return c > ' ' && c < 0x7f && c != ':' && c != '/'; };
+    if (text.empty() || has_brackets || !std::ranges::all_of(text, is_of_name)) return std::nullopt;
+    return to_lower_case(text);
+}
+
+std::optional<TargetHosts> TargetHosts::parse(std::string_view text) {
+    TargetHosts hosts;
+    for (bool more = true; more;) {
+        more = text.find(',') != std::string_view::npos;
+        const auto one = api::take_until(text, ",");
+        const auto host = parse_host(one);
+        const auto network = IpNetwork::parse(host ? *host : one);
+        if ((!network && !host) || host == kAny) return std::nullopt;
+        if (network) hosts.networks.push_back(*network);
+        if (host) hosts.names.push_back(*host);
+    }
+    if (hosts.names.empty()) return std::nullopt;
+    return hosts;
+}
+
+bool TargetHosts::permits(std::string_view host) const {
+    return std::ranges::find(names, host) != names.end();
+}
+
+bool TargetHosts::permits(const IpAddress& address) const {
+    return address.is_public() ||
+           std::ranges::any_of(networks, [&](const IpNetwork& network) { return network.contains(address); });
+}
+
 bool allows_host(const std::vector<std::string>& allowed, std::string_view authority) {
     if (authority.empty() || std::ranges::find(allowed, kAny) != allowed.end()) return true;
     auto host = host_of_authority(authority);

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "server/http/ip_address.h"
+
 namespace ccdt::server {
 
 /// Entry of a list of hosts or origins that stands for all loopback names and addresses.
@@ -29,5 +31,24 @@ std::optional<std::string_view> host_of_authority(std::string_view authority);
 /// resolves to 127.0.0.1. The browser treats the request as same-origin, but Host contains the foreign name.
 /// @param allowed  hosts in lower case without port and brackets, kLoopback, or kAny
 bool allows_host(const std::vector<std::string>& allowed, std::string_view authority);
+
+/// Returns a host in lower case, without the brackets of an address; none if the text has a port, or is neither a name
+/// nor an address.
+std::optional<std::string> parse_host(std::string_view text);
+
+/// The hosts to which the server may connect on behalf of clients.
+struct TargetHosts {
+    std::vector<std::string> names;   ///< hosts that URLs may name, as parse_host() returns them
+    std::vector<IpNetwork> networks;  ///< addresses that these hosts may have although they are not public
+
+    /// Parses names, addresses, and networks such as `10.0.0.0/8`, separated by commas. An address is also a network.
+    /// @returns  none if the text is malformed, or consists only of networks
+    static std::optional<TargetHosts> parse(std::string_view text);
+
+    /// Whether URLs may name a host. The address to which the server connects must be permitted, too.
+    /// @param host  as parse_host() returns it
+    bool permits(std::string_view host) const;
+    bool permits(const IpAddress& address) const;
+};
 
 }  // namespace ccdt::server

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <initializer_list>
+#include <vector>
 
 #include "api/text/text.h"
 
@@ -39,6 +41,21 @@ std::optional<IpAddress> IpAddress::parse(std::string_view text) {
 
 bool IpAddress::is_version_4() const {
     return std::equal(kBeforeVersion4.begin(), kBeforeVersion4.end(), bytes_.begin());
+}
+
+bool IpAddress::is_public() const {
+    static const auto networks = [](std::initializer_list<std::string_view> texts) {
+        std::vector<IpNetwork> all;
+        for (const auto text : texts) all.push_back(*IpNetwork::parse(text));
+        return all;
+    };
+    static const auto reserved =
+        networks({"0.0.0.0/8", "10.0.0.0/8", "100.64.0.0/10", "127.0.0.0/8", "169.254.0.0/16", "172.16.0.0/12",
+                  "192.0.0.0/24", "192.0.2.0/24", "192.88.99.0/24", "192.168.0.0/16", "198.18.0.0/15",
+                  "198.51.100.0/24", "203.0.113.0/24", "224.0.0.0/3", "2001::/23", "2001:db8::/32", "2002::/16"});
+    static const auto global = networks({"::ffff:0:0/96", "2000::/3"});
+    const auto contains = [this](const IpNetwork& network) { return network.contains(*this); };
+    return std::ranges::any_of(global, contains) && std::ranges::none_of(reserved, contains);
 }
 
 std::string IpAddress::text() const {

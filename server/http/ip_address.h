@@ -21,6 +21,11 @@ public:
     static std::optional<IpAddress> parse(std::string_view text);
 
     bool is_version_4() const;
+
+    /// Whether the address is of the public Internet: not private, local, multicast or otherwise reserved (IANA's
+    /// registries of special-purpose addresses).
+    bool is_public() const;
+
     std::string text() const;
 
     /// Returns the text by which limits identify a client: the IPv4 address, or the IPv6 /64 network.

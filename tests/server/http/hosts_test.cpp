@@ -57,5 +57,22 @@ TEST(AllowsHost, AcceptsEverythingIfAnyIsListed) {
         EXPECT_TRUE(allows_host({"dots.example", "*"}, authority)) << authority;
 }
 
+TEST(TargetHosts, PermitsListedHosts) {
+    const auto hosts = TargetHosts::parse("hooks.Example,[::1],10.0.0.0/8").value();
+    for (const auto* host : {"hooks.example", "::1"}) EXPECT_TRUE(hosts.permits(std::string_view(host))) << host;
+    for (const auto* host : {"", "example", "a.hooks.example", "10.0.0.1", "10.0.0.0/8"})
+        EXPECT_FALSE(hosts.permits(std::string_view(host))) << host;
+    for (const auto* text : {"", "*", "a,", "a:80", "10.0.0.0/8", "https://a", "10.0.0.0/33", "[a]"})
+        EXPECT_FALSE(TargetHosts::parse(text)) << text;
+}
+
+TEST(TargetHosts, PermitsPrivateAddressesOnlyIfListed) {
+    const auto hosts = TargetHosts::parse("hooks.example,[::1],10.0.0.0/8").value();
+    const auto permits = [&](std::string_view text) { return hosts.permits(IpAddress::parse(text).value()); };
+    for (const auto* address : {"1.1.1.1", "::1", "10.2.3.4"}) EXPECT_TRUE(permits(address)) << address;
+    for (const auto* address : {"127.0.0.1", "192.168.0.1", "169.254.169.254", "fd00::1"})
+        EXPECT_FALSE(permits(address)) << address;
+}
+
 }  // namespace
 }  // namespace ccdt::server

@@ -35,6 +35,18 @@ TEST(IpAddress, IdentifiesAClientByAddressOrNetwork) {
     EXPECT_EQ(IpAddress::parse("2001:db8:1:2:3:4:5:6")->of_one_client(), "2001:db8:1:2::");
 }
 
+TEST(IpAddress, KnowsPublicAddresses) {
+    const auto is_public = [](std::string_view text) { return IpAddress::parse(text).value().is_public(); };
+    for (const auto* text : {"1.1.1.1", "9.255.255.255", "100.128.0.1", "172.32.0.1", "223.255.255.255", "2606:4700::1",
+                             "2a00:1450:4001::1", "::ffff:8.8.8.8"})
+        EXPECT_TRUE(is_public(text)) << text;
+    for (const auto* text : {"0.0.0.0",    "10.1.2.3",         "100.64.0.1",  "127.0.0.1",       "169.254.169.254",
+                             "172.31.0.1", "192.168.1.1",      "224.0.0.1",   "255.255.255.255", "::",
+                             "::1",        "::ffff:127.0.0.1", "::7f00:1",    "64:ff9b::7f00:1", "fc00::1",
+                             "fe80::1",    "ff02::1",          "2001:db8::1", "2001:0:1::1",     "2002:7f00:1::"})
+        EXPECT_FALSE(is_public(text)) << text;
+}
+
 TEST(IpNetwork, ContainsAddressesWithItsPrefix) {
     EXPECT_TRUE(is_in("10.0.0.0/8", "10.255.0.1"));
     EXPECT_FALSE(is_in("10.0.0.0/8", "11.0.0.1"));
