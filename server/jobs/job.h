@@ -47,6 +47,7 @@ struct Job {
     std::string owner;        ///< name of the API key of the request; empty: none
     std::string client;       ///< name of the client for fair queueing
     std::string traceparent;  ///< header of the request, if well-formed; empty: none
+    std::string callback;     ///< URL of the webhook, see JobStore::claim_webhook(); empty: none
     api::Cost cost;
     std::size_t expected = 0;  ///< upper estimate of the size of the result, in bytes
     JobStatus status = JobStatus::Queued;

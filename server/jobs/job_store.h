@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -67,6 +68,12 @@ public:
         bool operator==(const Load&) const = default;
     };
 
+    /// The webhook of a finished job: a message to the URL `Job::callback` about the end of the job.
+    struct Webhook {
+        Job job;
+        int attempts = 1;  ///< number of attempts to send the webhook, including the one that begins now
+    };
+
     virtual ~JobStore() = default;
 
     /// Whether several servers may use the same storage.
@@ -114,6 +121,16 @@ public:
     /// Cancels a job that has not ended.
     /// @returns  the cancelled job; none if the job does not exist or had ended
     virtual Result<std::optional<Job>> cancel(const std::string& id) = 0;
+
+    /// Claims a webhook that is due, for an attempt to send it, and counts the attempt. It is due when its job has
+    /// ended. Other calls may claim it again after `lease` unless settle_webhook() was called. Jobs that are removed
+    /// lose their webhooks.
+    /// @returns  none if no webhook is due
+    virtual Result<std::optional<Webhook>> claim_webhook(std::chrono::milliseconds lease) = 0;
+
+    /// Ends an attempt to send the webhook of a job.
+    /// @param pause  time until the webhook is due again; none: it needs no further attempt, and is forgotten
+    virtual Result<void> settle_webhook(const std::string& id, std::optional<std::chrono::milliseconds> pause) = 0;
 
     /// Removes a job; returns whether it existed.
     virtual Result<bool> remove(const std::string& id) = 0;

@@ -51,6 +51,8 @@ const RedisScript kRenew = script(kAnyway, redis_scripts::renew);
 const RedisScript kRequeue = script(kAnyway, redis_scripts::requeue);
 const RedisScript kFinish = script(kAnyway, redis_scripts::finish);
 const RedisScript kCancel = script(kAnyway, redis_scripts::cancel);
+const RedisScript kClaimWebhook = script(kAnyway, redis_scripts::claim_webhook);
+const RedisScript kSettleWebhook = script(kAnyway, redis_scripts::settle_webhook);
 const RedisScript kRemove = script(kAnyway, redis_scripts::remove);
 const RedisScript kFind(kReads, {redis_scripts::common, redis_scripts::find});
 const RedisScript kRemoveExpired = script(kAnyway, redis_scripts::remove_expired);
@@ -312,6 +314,7 @@ Result<std::optional<Job>> RedisJobStore::job_of(const std::string& id, const Re
     job.owner = fields.text("owner");
     job.client = fields.text("client");
     job.traceparent = fields.text("traceparent");
+    job.callback = fields.text("callback");
     job.cost = {fields.number<std::size_t>("memory"), fields.number<double>("seconds")};
     job.status = *status;
     job.starts = fields.number<int>("starts");
@@ -350,8 +353,8 @@ Result<JobStore::Added> RedisJobStore::add(Job& job, const ComputeRequest& reque
     const std::string limit = std::to_string(limits_.bytes);
     const std::string memory = std::to_string(job.cost.memory);
     const std::string seconds = text_of(job.cost.seconds);
-    RedisCommand arguments{job.id,    pieces,     bytes,  waiting, limit,
-                           job.owner, job.client, memory, seconds, job.traceparent};
+    RedisCommand arguments{job.id,     pieces, bytes,   waiting,         limit,       job.owner,
+                           job.client, memory, seconds, job.traceparent, job.callback};
     const std::string size = std::to_string(request.body.size());
     const std::string digest = pieces.empty() ? digest_of_piece(job.id, 0, request.body) : "";
     if (pieces.empty()) {
@@ -468,6 +471,21 @@ Result<std::optional<Time>> RedisJobStore::finish(const Job& job, std::string_vi
 Result<std::optional<Job>> RedisJobStore::cancel(const std::string& id) {
     const std::string bytes = std::to_string(bytes_of_job(0));
     return job_of(id, run(kCancel, {id, bytes}));
+}
+
+Result<std::optional<JobStore::Webhook>> RedisJobStore::claim_webhook(std::chrono::milliseconds lease) {
+    const auto reply = run(kClaimWebhook, {text_of(lease)});
+    if (!reply) return tl::unexpected(reply.error());
+    if (reply->items.size() != 3) return std::nullopt;
+    const int attempts = static_cast<int>(reply->items[1].number);
+    auto job = job_of(reply->items[0].text, reply->items[2]);
+    if (!job) return tl::unexpected(job.error());
+    if (!*job) return std::nullopt;
+    return Webhook{**std::move(job), attempts};
+}
+
+Result<void> RedisJobStore::settle_webhook(const std::string& id, std::optional<std::chrono::milliseconds> pause) {
+    return run(kSettleWebhook, {id, pause ? text_of(*pause) : ""}).map([](const RedisReply&) {});
 }
 
 Result<bool> RedisJobStore::remove(const std::string& id) {

@@ -270,6 +270,14 @@ Result<std::optional<Job>> SqliteJobStore::cancel(const std::string& id) {
     return cancelled;
 }
 
+Result<std::optional<JobStore::Webhook>> SqliteJobStore::claim_webhook(std::chrono::milliseconds lease) {
+    return attempt([&, now = time_now()] { return tables_.claim_webhook(now, now + lease); });
+}
+
+Result<void> SqliteJobStore::settle_webhook(const std::string& id, std::optional<std::chrono::milliseconds> pause) {
+    return attempt([&] { tables_.settle_webhook(id, pause ? std::optional(time_now() + *pause) : std::nullopt); });
+}
+
 Result<bool> SqliteJobStore::remove(const std::string& id) {
     return run_freeing([&] {
         const bool existed = tables_.remove(id);

@@ -44,6 +44,8 @@ public:
     using JobStore::finish;
     Result<std::optional<Time>> finish(const Job& job, std::string_view result, const StoredPart& before) override;
     Result<std::optional<Job>> cancel(const std::string& id) override;
+    Result<std::optional<Webhook>> claim_webhook(std::chrono::milliseconds lease) override;
+    Result<void> settle_webhook(const std::string& id, std::optional<std::chrono::milliseconds> pause) override;
     Result<bool> remove(const std::string& id) override;
     Result<std::optional<Job>> find(const std::string& id) override;
     Result<std::optional<std::string>> piece(const std::string& id, std::size_t number) override;

@@ -75,6 +75,19 @@ constexpr const char* kTables = R"(
     CREATE UNIQUE INDEX pieces_of_results ON results (job, number);
 )";
 
+/// The table of webhooks that are not sent yet, by the rows of their jobs. It was added without a new version of the
+/// tables, so that earlier releases can use the file. If they remove a job, its webhook remains, and has a wrong
+/// digest.
+constexpr const char* kWebhooks = R"(
+    CREATE TABLE IF NOT EXISTS webhooks (
+        row INTEGER PRIMARY KEY,
+        url TEXT NOT NULL,
+        attempts INTEGER NOT NULL,
+        due INTEGER NOT NULL,
+        digest TEXT NOT NULL
+    );
+)";
+
 std::int64_t number_of(Time time) {
     return time.time_since_epoch().count();
 }
@@ -101,13 +114,13 @@ constexpr int kRow = 20;
 constexpr int kBytes = 21;
 constexpr int kTraceparent = 22;
 constexpr int kDigest = 23;
+constexpr int kCallback = 24;
 
-/// Returns a query for the columns that job_at() reads and, at the end, the columns kRow to kDigest. The last column is
-/// the digest of all other columns.
+/// Returns a query for the columns that job_at() reads, of which kDigest is the digest of all columns before it.
 std::string select_jobs(const std::string& which) {
     return "SELECT id, owner, client, memory, seconds, status, starts, created, started, finished, fraction, "
            "iteration, variation, failure, message, field, media_type, result_bytes, partial, dropped, row, bytes, "
-           "traceparent, digest FROM jobs " +
+           "traceparent, digest, (SELECT url FROM webhooks WHERE webhooks.row = jobs.row) FROM jobs " +
            which;
 }
 
@@ -144,6 +157,7 @@ Job job_at(const Statement& row) {
     job.partial = row.integer(18) != 0;
     job.dropped = row.integer(19) != 0;
     job.traceparent = row.text(kTraceparent);
+    job.callback = row.text(kCallback);
     return job;
 }
 
@@ -247,10 +261,15 @@ void remove_bodies(Database& database, std::int64_t row) {
     remove_pieces(database, row);
 }
 
+void remove_webhook(Database& database, std::int64_t row) {
+    Statement(database, "DELETE FROM webhooks WHERE row = ?", row).run();
+}
+
 /// Removes a job with its request and result.
 /// @returns  bytes that the job took
 std::size_t remove_row(Database& database, std::int64_t row) {
     remove_bodies(database, row);
+    remove_webhook(database, row);
     Statement removed(database, "DELETE FROM jobs WHERE row = ? RETURNING bytes", row);
     const auto bytes = removed.step() ? static_cast<std::size_t>(removed.integer(0)) : 0;
     removed.run();
@@ -275,6 +294,7 @@ SqliteJobTables::SqliteJobTables(const std::string& path) : database_(path) {
     database_.execute(("PRAGMA journal_size_limit = " + std::to_string(kReserve)).c_str());
     damages_ += repair_indices(database_);
     if (empty) create();
+    database_.execute(kWebhooks);
     fail_damaged_jobs();
     bytes_ = static_cast<std::size_t>(database_.value_of("SELECT sum(bytes) FROM jobs"));
     cut_log();
@@ -373,6 +393,10 @@ void SqliteJobTables::insert(const Job& job, const ComputeRequest& request, std:
               digest_of(job.id, request))
         .run();
     database_.write_body("questions", row, request.body);
+    if (!job.callback.empty())
+        Statement(database_, "INSERT OR REPLACE INTO webhooks (row, url, attempts, due, digest) VALUES (?, ?, 0, 0, ?)",
+                  row, job.callback, digest_of_piece(job.id, 0, job.callback))
+            .run();
     transaction.commit();
     bytes_ += bytes;
     if (bytes > kReserve / 2) cut_log();
@@ -414,6 +438,38 @@ void SqliteJobTables::finish(const Job& job, const StoredJob& stored, std::strin
     bytes_ += after;
     release(stored.bytes);
     if (result.size() > kReserve / 2) cut_log();
+}
+
+std::optional<JobStore::Webhook> SqliteJobTables::claim_webhook(Time now, Time until) {
+    Transaction transaction(database_);
+    Statement query(database_,
+                    "SELECT row, id, url, attempts, webhooks.digest FROM webhooks JOIN jobs USING (row) "
+                    "WHERE due <= ? AND finished IS NOT NULL ORDER BY due LIMIT 1",
+                    number_of(now));
+    if (!query.step()) return std::nullopt;
+    const auto row = query.integer(0);
+    const std::string id = query.text(1), url = query.text(2);
+    const auto attempts = query.integer(3) + 1;
+    const bool sound = query.text(4) == digest_of_piece(id, 0, url);
+    query.run();
+    if (sound)
+        Statement(database_, "UPDATE webhooks SET attempts = ?, due = ? WHERE row = ?", attempts, number_of(until), row)
+            .run();
+    else
+        remove_webhook(database_, row);
+    transaction.commit();
+    auto stored = sound ? find(id) : std::nullopt;
+    if (!stored) return std::nullopt;
+    return JobStore::Webhook{std::move(stored->job), static_cast<int>(attempts)};
+}
+
+void SqliteJobTables::settle_webhook(const std::string& id, std::optional<Time> due) {
+    const auto stored = find(id);
+    if (!stored) return;
+    if (due)
+        Statement(database_, "UPDATE webhooks SET due = ? WHERE row = ?", number_of(*due), stored->row).run();
+    else
+        remove_webhook(database_, stored->row);
 }
 
 bool SqliteJobTables::remove(const std::string& id) {

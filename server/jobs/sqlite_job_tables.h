@@ -69,6 +69,12 @@ public:
     void finish(const Job& job, const StoredJob& stored, std::string_view result,
                 const JobStore::StoredPart& before = {});
 
+    /// Claims a webhook that is due at the time `now`, as JobStore::claim_webhook() does, until the time `until`.
+    std::optional<JobStore::Webhook> claim_webhook(Time now, Time until);
+
+    /// Sets the time at which the webhook of a job is due; none: removes the webhook.
+    void settle_webhook(const std::string& id, std::optional<Time> due);
+
     /// Removes a job; returns false if it does not exist.
     bool remove(const std::string& id);
 

@@ -11,6 +11,7 @@
 --   leases       zset   ids of claimed jobs, by the time when their leases expire
 --   finished     zset   ids of finished jobs, by the time of their end in microseconds
 --   results      zset   ids of finished jobs with a result, by the same time
+--   webhooks     zset   ids of jobs whose webhooks are not sent yet, by the time of the next attempt
 --   state        hash   turn: the virtual time; places, claims: last numbers assigned; bytes: stored bytes
 --   news         channel: `work`, `changed ID`, `stop ID`
 
@@ -31,7 +32,7 @@ local function state(name) return tonumber(redis.call('HGET', key('state'), name
 local function field(id, name) return redis.call('HGET', job_key(id), name) end
 
 local types = {queue = 'zset', had = 'zset', waiting = 'hash', leases = 'zset', finished = 'zset', results = 'zset',
-    state = 'hash'}
+    webhooks = 'zset', state = 'hash'}
 
 local function has_type(any_key, expected)
     local found = redis.call('TYPE', any_key).ok
@@ -185,11 +186,15 @@ local function withdraw(id)
     end
 end
 
+-- Makes the webhook of a job that has ended due, if it has one.
+local function wake_webhook(id) redis.call('ZADD', key('webhooks'), 'XX', now, id) end
+
 local function remove(id)
     withdraw(id)
     set_bytes(id, 0)
     redis.call('ZREM', key('finished'), id)
     redis.call('ZREM', key('results'), id)
+    redis.call('ZREM', key('webhooks'), id)
     redis.call('UNLINK', job_key(id), question_key(id), result_key(id))
 end
 

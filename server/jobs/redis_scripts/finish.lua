@@ -28,5 +28,6 @@ redis.call('ZADD', key('finished'), exact_now, id)
 redis.call('HSET', job_key(id), 'finished', now, 'result_bytes', bytes, unpack(ARGV, 10))
 set_bytes(id, tonumber(ARGV[5]))
 charge(id, tonumber(ARGV[9]))
+wake_webhook(id)
 notify('changed ' .. id)
 return {'finished', field(id, 'finished')}

@@ -69,6 +69,7 @@ redis.call('UNLINK', key('waiting'), key('results'))
 for _, id in ipairs(ids) do
     bytes = bytes + tonumber(field(id, 'bytes'))
     claims = math.max(claims, tonumber(field(id, 'claim')))
+    if field(id, 'callback') then redis.call('ZADD', key('webhooks'), 'NX', now, id) end
     if field(id, 'finished') then
         if not finished[id] then lost.finished = true end
         local when = finished[id] or tonumber(field(id, 'finished')) * 1000

@@ -51,6 +51,12 @@ public:
         return store_->finish(job, result, before);
     }
     Result<std::optional<Job>> cancel(const std::string& id) override { return store_->cancel(id); }
+    Result<std::optional<Webhook>> claim_webhook(std::chrono::milliseconds lease) override {
+        return store_->claim_webhook(lease);
+    }
+    Result<void> settle_webhook(const std::string& id, std::optional<std::chrono::milliseconds> pause) override {
+        return store_->settle_webhook(id, pause);
+    }
     Result<bool> remove(const std::string& id) override { return store_->remove(id); }
     Result<std::optional<Job>> find(const std::string& id) override { return store_->find(id); }
     Result<std::optional<std::string>> piece(const std::string& id, std::size_t number) override {

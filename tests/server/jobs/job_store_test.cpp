@@ -592,6 +592,41 @@ TEST_P(JobStoreTest, CancelsUnfinishedJobs) {
     EXPECT_EQ(bytes(), 0u);
 }
 
+TEST_P(JobStoreTest, ClaimsWebhooksOfFinishedJobs) {
+    constexpr std::chrono::hours kLease{1};
+    Job job = job_named("a");
+    job.callback = "https://example.org/hook?a=b";
+    add(*store_, job);
+    add(*store_, job_named("without a webhook"));
+    EXPECT_EQ(*store_->claim_webhook(kBrief.lease), std::nullopt) << "the job has not ended";
+    if (GetParam().outlives_its_server) open_with({});
+    for (const auto& result : {"first", "second"}) ASSERT_TRUE(*store_->finish(succeeded(claim(), result), result));
+    if (GetParam().outlives_its_server) open_with({});
+
+    const auto webhook = *store_->claim_webhook(kLease);
+    ASSERT_TRUE(webhook);
+    EXPECT_EQ(webhook->job.callback, job.callback);
+    EXPECT_EQ(webhook->attempts, 1);
+    EXPECT_EQ(status_json(webhook->job), status_json(find("a")));
+    EXPECT_EQ(*store_->claim_webhook(kLease), std::nullopt) << "each webhook is claimed once";
+    ASSERT_TRUE(store_->settle_webhook("a", std::chrono::milliseconds(0)));
+    EXPECT_EQ((*store_->claim_webhook(std::chrono::milliseconds(0)))->attempts, 2);
+    EXPECT_EQ((*store_->claim_webhook(kLease))->attempts, 3) << "a lost server does not settle its webhooks";
+    ASSERT_TRUE(store_->settle_webhook("a", std::nullopt));
+    EXPECT_EQ(*store_->claim_webhook(kLease), std::nullopt);
+    EXPECT_EQ(find("a").status, JobStatus::Succeeded);
+}
+
+TEST_P(JobStoreTest, ClaimsWebhooksOfCancelledJobs) {
+    Job job = job_named("a");
+    job.callback = "https://example.org/hook";
+    add(*store_, job);
+    ASSERT_TRUE(*store_->cancel("a"));
+    EXPECT_EQ((*store_->claim_webhook(std::chrono::milliseconds(0)))->job.status, JobStatus::Cancelled);
+    EXPECT_TRUE(*store_->remove("a"));
+    EXPECT_EQ(*store_->claim_webhook(std::chrono::milliseconds(0)), std::nullopt);
+}
+
 TEST_P(JobStoreTest, RemovesUnfinishedJobs) {
     add(*store_, job_named("runs"));
     add(*store_, job_named("waits"));

@@ -89,7 +89,7 @@ TEST_F(RedisJobStoreTest, FreesTheBytesOfMissingJobs) {
 
 TEST_F(RedisJobStoreTest, RebuildsDamagedSharedKeys) {
     const auto store = open();
-    for (const char* name : {"queue", "had", "waiting", "leases", "finished", "results", "state"}) {
+    for (const char* name : {"queue", "had", "waiting", "leases", "finished", "results", "webhooks", "state"}) {
         for (const auto& junk : kJunk) {
             SCOPED_TRACE(std::string(name) + " " + junk[0]);
             call({"FLUSHALL"});
@@ -119,9 +119,32 @@ TEST_F(RedisJobStoreTest, RebuildsDamagedSharedKeys) {
     }
 }
 
+TEST_F(RedisJobStoreTest, RestoresWebhooksAfterDamage) {
+    const auto store = open();
+    Job job = job_named("a");
+    job.callback = "https://example.org";
+    add(*store, job);
+    ASSERT_TRUE(*store->finish(succeeded(**store->claim(1000), "result"), "result"));
+    damage("ccdt:1:webhooks", kJunk[0]);
+    EXPECT_EQ((*store->claim_webhook(std::chrono::hours(1)))->job.callback, job.callback);
+}
+
+TEST_F(RedisJobStoreTest, SendsWebhooksOfJobsThatEarlierReleasesHaveFinished) {
+    const auto store = open();
+    Job job = job_named("a");
+    job.callback = "https://example.org";
+    add(*store, job);
+    EXPECT_EQ(*store->claim_webhook(std::chrono::milliseconds(1)), std::nullopt);
+    call({"RENAME", "ccdt:1:webhooks", "hidden"});  // so that finish() does not change the set
+    ASSERT_TRUE(*store->finish(succeeded(**store->claim(1000), "result"), "result"));
+    call({"RENAME", "hidden", "ccdt:1:webhooks"});
+    EXPECT_TRUE(test::wait_until("a second look", [&] { return *store->claim_webhook(std::chrono::hours(1)); }));
+}
+
 TEST_F(RedisJobStoreTest, ReportsDamagedKeys) {
     const auto store = open();
-    for (const char* name : {"queue", "had", "waiting", "leases", "finished", "results", "state", "job:waiting"}) {
+    for (const char* name :
+         {"queue", "had", "waiting", "leases", "finished", "results", "webhooks", "state", "job:waiting"}) {
         const std::string key = std::string("ccdt:1:") + name;
         call({"FLUSHALL"});
         add(*store, job_named("waiting"));

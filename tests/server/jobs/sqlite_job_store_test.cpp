@@ -228,6 +228,23 @@ TEST_F(SqliteJobStoreTest, DetectsCorruptRequests) {
     }
 }
 
+TEST_F(SqliteJobStoreTest, DropsCorruptWebhooks) {
+    Job job = job_named("a");
+    job.callback = "https://example.org";
+    add(*open(), job);
+    ASSERT_TRUE(*open()->cancel("a"));
+    Database(file()).execute("UPDATE webhooks SET url = 'https://example.com'");
+    EXPECT_EQ(*open()->claim_webhook({}), std::nullopt);
+    EXPECT_EQ(Database(file()).value_of("SELECT count(*) FROM webhooks"), 0);
+}
+
+TEST_F(SqliteJobStoreTest, AddsTheTableOfWebhooks) {
+    add_finished(*open(), "a", "result");
+    Database(file()).execute("DROP TABLE webhooks");
+    EXPECT_EQ(open()->result("a"), "result");
+    EXPECT_EQ(*open()->claim_webhook({}), std::nullopt);
+}
+
 TEST_F(SqliteJobStoreTest, FailsCorruptJobs) {
     for (const char* change :
          {"owner = 'bob'",    "client = 'b'",  "memory = 1",    "seconds = 0",  "status = 1",
