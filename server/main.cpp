@@ -40,7 +40,7 @@ std::span<const char* const> environment() {
 void reload(Service& service, const CommandLine& running, std::span<const char* const> arguments, const Log& log) {
     const Config& config = running.config;
     if (config.api_key_file.empty() && config.signing.file.empty() && config.file.empty() &&
-        config.presets_file.empty())
+        config.presets_file.empty() && config.webhook_key_file.empty())
         return log.info("SIGHUP is ignored: there is no file to reload");
     const auto fresh = parse_command_line(arguments, environment());
     const auto done = fresh ? service.reload(fresh->config.live) : tl::unexpected(fresh.error());

@@ -166,6 +166,9 @@ ROWS = [
               "them.", "short",
               {"{{instance}}, leases": "increase(ccdt_job_leases_lost_total[5m])",
                "{{instance}}, runs": "increase(ccdt_job_runs_repeated_total[5m])"}),
+        chart("Webhooks", "In five minutes. Hosts that are down or answer with errors cause failed attempts.", "short",
+              {"{{instance}}, sent": "increase(ccdt_webhooks_sent_total[5m])",
+               "{{instance}}, failed attempts": "increase(ccdt_webhook_failures_total[5m])"}),
     ]),
     ("Machine", 3, [
         chart("Resident memory", "Resident memory of the whole server.", "bytes",

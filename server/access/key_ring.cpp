@@ -87,6 +87,12 @@ std::optional<std::string> KeyRing::find_signer(std::string_view text, std::stri
     return find_if([=](std::string_view key) { return is_same(sign(key, text), signature); });
 }
 
+std::vector<std::string> KeyRing::keys() const {
+    std::vector<std::string> keys;
+    for (const Entry& entry : entries_) keys.push_back(entry.key);
+    return keys;
+}
+
 std::optional<std::string> KeyRing::find_if(const std::function<bool(std::string_view key)>& fits) const {
     const Entry* found = nullptr;
     for (const Entry& entry : entries_) {

@@ -37,6 +37,8 @@ public:
     /// time does not reveal a correct prefix of the signature.
     std::optional<std::string> find_signer(std::string_view text, std::string_view signature) const;
 
+    std::vector<std::string> keys() const;
+
 private:
     struct Entry {
         std::string name;

@@ -126,6 +126,13 @@ std::string set_allowed_hosts(Draft& draft, std::string_view text) {
     return {};
 }
 
+std::string set_webhook_hosts(Draft& draft, std::string_view text) {
+    auto hosts = TargetHosts::parse(text);
+    if (!hosts) return "names such as hooks.example, addresses, or networks such as 10.0.0.0/8, separated by commas";
+    draft.config.webhook_hosts = *std::move(hosts);
+    return {};
+}
+
 std::string set_trusted_proxies(Draft& draft, std::string_view text) {
     TrustedProxies proxies;
     for (bool more = true; more;) {
@@ -258,6 +265,14 @@ constexpr auto kSettings = std::to_array<Setting>({
     {"--job-bytes", "CCDT_JOB_BYTES", "BYTES",
      "storage for jobs (1GiB; in memory a sixteenth of --memory, at most 256MiB)",
      [](Draft& draft, std::string_view text) { return set_bytes(draft.job_bytes.emplace(), text); }},
+    {"--webhook-host", "CCDT_WEBHOOK_HOST", "HOSTS",
+     "hosts to which webhooks at the ends of jobs may be sent, separated by commas (none)", set_webhook_hosts},
+    {"--webhook-key-file", "CCDT_WEBHOOK_KEY_FILE", "FILE",
+     "lines of name:whsec_BASE64, which sign webhooks; SIGHUP reloads the file",
+     [](Draft& draft, std::string_view text) {
+         draft.config.webhook_key_file = text;
+         return std::string(text.empty() ? "a file's name" : "");
+     }},
     {"--cache", "CCDT_CACHE", "BYTES", "answers to keep, 0 for none (64MiB, at most a sixteenth of --memory)",
      [](Draft& draft, std::string_view text) { return set_bytes(draft.cache.emplace(), text, 0); }},
     {"--cache-shared", "CCDT_CACHE_SHARED", "BOOL", "true: API keys share answers, which timing reveals (false)",
@@ -568,6 +583,8 @@ Result<CommandLine> parse_command_line(std::span<const char* const> arguments, s
     draft.config.live.allowed_hosts = all_allowed_hosts(draft);
     if (draft.config.redis && !draft.config.data_dir.empty())
         return failure(ErrorCode::Malformed, "--data-dir and --redis: only one of them may be given");
+    if (draft.config.webhook_hosts.names.empty() != draft.config.webhook_key_file.empty())
+        return failure(ErrorCode::Malformed, "--webhook-host and --webhook-key-file: one needs the other");
     if (!draft.config.signing.file.empty() && !draft.config.signing.key.empty())
         return failure(ErrorCode::Malformed, "--signing-key-file and CCDT_SIGNING_KEY: only one of them may be given");
     draft.config.memory = draft.memory.value_or(default_memory(available_memory()));

@@ -135,6 +135,9 @@ struct Metrics::Families {
     Gauge& job_capacity = make_gauge(registry, "ccdt_job_store_capacity_bytes", "Storage available to jobs.");
     Counter& job_damages = make_counter(registry, "ccdt_job_store_damages_total",
                                         "Jobs, requests and results found damaged in the store.");
+    Counter& webhooks_sent = make_counter(registry, "ccdt_webhooks_sent_total", "Webhooks that their hosts accepted.");
+    Counter& webhooks_failed =
+        make_counter(registry, "ccdt_webhook_failures_total", "Failed attempts to send a webhook.");
     Counter& leases_lost = make_counter(registry, "ccdt_job_leases_lost_total",
                                         "Runs abandoned because another server had claimed the job.");
     Counter& runs_repeated =
@@ -232,6 +235,8 @@ std::string Metrics::text(const WorkerPool::Load& load) const {
         raise(all.decoder_restarts, watched.decoder_restarts);
         raise(all.decoder_silences, watched.decoder_silences);
         raise(all.job_damages, watched.job_damages);
+        raise(all.webhooks_sent, watched.webhooks.sent);
+        raise(all.webhooks_failed, watched.webhooks.failed);
         raise(all.leases_lost, watched.job_runs.lost);
         raise(all.runs_repeated, watched.job_runs.repeated);
         all.raise_redis("jobs", watched.redis.jobs);

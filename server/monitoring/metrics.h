@@ -15,6 +15,7 @@
 #include "server/jobs/job_service.h"
 #include "server/pool/worker_pool.h"
 #include "server/redis/redis_client.h"
+#include "server/webhooks/webhooks.h"
 
 namespace ccdt::server {
 
@@ -48,6 +49,7 @@ public:
         RedisCounts redis;
         std::size_t job_capacity = 0;  ///< capacity of the job store in bytes
         std::uint64_t job_damages = 0;
+        Webhooks::Counts webhooks;
         ResultCache::Load cache;
     };
 

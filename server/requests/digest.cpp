@@ -34,7 +34,7 @@ std::string Digest::finish() {
     return {text.begin(), text.end() - 1};
 }
 
-std::string sign(std::string_view key, std::string_view text) {
+std::string sign_in_base64(std::string_view key, std::string_view text) {
     std::array<unsigned char, kSha256Bytes> bytes{};
     const auto* const data = reinterpret_cast<const unsigned char*>(text.data());
     if (HMAC(EVP_sha256(), key.data(), static_cast<int>(key.size()), data, text.size(), bytes.data(), nullptr) ==
@@ -42,7 +42,12 @@ std::string sign(std::string_view key, std::string_view text) {
         throw std::bad_alloc();
     std::array<unsigned char, (kSha256Bytes + 2) / 3 * 4 + 1> encoded{};
     EVP_EncodeBlock(encoded.data(), bytes.data(), kSha256Bytes);
-    std::string signature(encoded.begin(), encoded.end() - 2);  // without the padding and the NUL
+    return {encoded.begin(), encoded.end() - 1};
+}
+
+std::string sign(std::string_view key, std::string_view text) {
+    std::string signature = sign_in_base64(key, text);
+    signature.pop_back();  // the padding
     std::ranges::replace(signature, '+', '-');
     std::ranges::replace(signature, '/', '_');
     return signature;

@@ -29,4 +29,8 @@ private:
 /// @returns  the signature in URL-safe base64 without padding, 43 characters
 std::string sign(std::string_view key, std::string_view text);
 
+/// Signs a text as sign() does.
+/// @returns  the signature in base64 with padding, 44 characters
+std::string sign_in_base64(std::string_view key, std::string_view text);
+
 }  // namespace ccdt::server

@@ -19,6 +19,7 @@
 #include "server/requests/convergence.h"
 #include "server/requests/form.h"
 #include "server/routes/job_routes.h"
+#include "server/webhooks/http_client.h"
 
 namespace ccdt::server {
 namespace {
@@ -246,6 +247,8 @@ HttpResult<Response> ComputeRoutes::answer(const Operation& operation, const Pre
                               {}};
     if (auto checked = check(operation, to_compute); !checked) return problem(std::move(checked.error()));
     const bool deferred = prefers(request, "respond-async");
+    const auto callback = find_callback(request);
+    if (!callback) return tl::unexpected(callback.error());
     auto body = read_body(incoming, deferred);
     if (!body) return tl::unexpected(std::move(body.error()));
     to_compute.body = *std::move(body);
@@ -259,7 +262,7 @@ HttpResult<Response> ComputeRoutes::answer(const Operation& operation, const Pre
     if (!accepted) return tl::unexpected(accepted.error());
     if (!deferred) return respond(*accepted, incoming);
     if (const auto tag = known_tag(incoming, (*accepted)->name)) return not_modified(*tag);
-    return defer(*accepted, incoming);
+    return defer(*accepted, *callback, incoming);
 }
 
 HttpResult<Response> ComputeRoutes::answer(const Operation& operation, const Presets& presets, OpenFile picture,
@@ -405,8 +408,21 @@ HttpResult<ComputeRoutes::AcceptedPointer> ComputeRoutes::prepare(const Operatio
         AcceptedRequest{operation, std::move(request), std::move(name), std::move(lease)});
 }
 
+/// Returns the URL of the webhook for the end of a job; empty: none. A URL that is not permitted is an error, although
+/// RFC 7240 lets servers ignore preferences, because the client would wait in vain.
+HttpResult<std::string> ComputeRoutes::find_callback(const Request& request) const {
+    const auto callback = find_preference(request, "callback");
+    if (!callback) return std::string();
+    if (!prefers(request, "respond-async")) return problem(400, "Prefer: callback needs respond-async");
+    std::string url = header_parameter(*callback, "url");
+    if (const auto checked = check_target(url, config_.webhook_hosts); !checked)
+        return problem(400, "Prefer: callback: " + checked.error().message + " (webhook-host)");
+    return url;
+}
+
 /// Turns a request into a job: parses the request now, and stores it to be computed later.
-HttpResult<Response> ComputeRoutes::defer(const AcceptedPointer& given, const Incoming& incoming) {
+HttpResult<Response> ComputeRoutes::defer(const AcceptedPointer& given, const std::string& callback,
+                                          const Incoming& incoming) {
     const auto deadline = Clock::now() + config_.timeout;
     const auto converted = convert_shapefile(given, incoming, deadline);
     if (!converted) return tl::unexpected(converted.error());
@@ -418,6 +434,7 @@ HttpResult<Response> ComputeRoutes::defer(const AcceptedPointer& given, const In
     job.owner = incoming.connection.key();
     job.client = incoming.connection.client_name();
     job.traceparent = whole_traceparent(incoming.request.header("traceparent"));
+    job.callback = callback;
     job.cost = forecast->cost;
     job.expected = forecast->largest_answer;
     job.cost.memory += accepted->request.body.size();  // the run loads the body from the store

@@ -91,7 +91,8 @@ private:
     HttpResult<AcceptedPointer> prepare(const Operation& operation, ComputeRequest request,
                                         const std::vector<FormPart>& fields, MemoryBudget::Lease lease);
     HttpResult<Response> respond(const AcceptedPointer& accepted, const Incoming& incoming);
-    HttpResult<Response> defer(const AcceptedPointer& accepted, const Incoming& incoming);
+    HttpResult<std::string> find_callback(const Request& request) const;
+    HttpResult<Response> defer(const AcceptedPointer& accepted, const std::string& callback, const Incoming& incoming);
     HttpResult<AcceptedPointer> convert_shapefile(const AcceptedPointer& accepted, const Incoming& incoming,
                                                   Clock::time_point deadline);
     HttpResult<Forecast> forecast(const AcceptedPointer& accepted, const Incoming& incoming,

@@ -56,7 +56,8 @@ Response accepted_response(const Job& job) {
     Response response = document(job);
     response.status = 202;
     response.headers.push_back({"Location", "/jobs/" + job.id});
-    response.headers.push_back({"Preference-Applied", "respond-async"});
+    response.headers.push_back(
+        {"Preference-Applied", job.callback.empty() ? "respond-async" : "respond-async, callback"});
     return response;
 }
 

@@ -25,6 +25,7 @@
 #include "server/processes/child_program.h"
 #include "server/processes/process.h"
 #include "server/redis/redis_client.h"
+#include "server/webhooks/webhooks.h"
 
 namespace ccdt::server {
 namespace {
@@ -127,6 +128,13 @@ Found check_jobs(const Config& config) {
     return {State::Wrong, folder.string() + ": " + std::strerror(is_folder ? errno : ENOTDIR)};
 }
 
+Found check_webhooks(const Config& config) {
+    if (config.webhook_hosts.names.empty()) return {State::Good, "none"};
+    const auto keys = read_webhook_keys(config.webhook_key_file);
+    if (!keys) return wrong(keys.error());
+    return {State::Good, "signed with " + config.webhook_key_file};
+}
+
 Found check_answers(const Config& config) {
     if (config.cache_redis) return check_redis(*config.cache_redis, "kept here and in", RedisCache::find_faults);
     return {State::Good, config.cache > 0 ? "kept here" : "not kept"};
@@ -161,10 +169,10 @@ struct Check {
 };
 
 constexpr Check kChecks[] = {
-    {"decoder", check_decoder},   {"worker", check_worker},   {"keys", check_keys},     {"signing", check_signing},
-    {"pictures", check_pictures}, {"docs", check_docs},       {"memory", check_memory}, {"files", check_files},
-    {"jobs", check_jobs},         {"answers", check_answers}, {"rates", check_rates},   {"address", check_address},
-    {"metrics", check_metrics},
+    {"decoder", check_decoder},   {"worker", check_worker},     {"keys", check_keys},     {"signing", check_signing},
+    {"pictures", check_pictures}, {"docs", check_docs},         {"memory", check_memory}, {"files", check_files},
+    {"jobs", check_jobs},         {"answers", check_answers},   {"rates", check_rates},   {"address", check_address},
+    {"metrics", check_metrics},   {"webhooks", check_webhooks},
 };
 
 std::string_view name_of(State state) {

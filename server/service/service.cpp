@@ -76,6 +76,13 @@ Result<std::unique_ptr<JobStore>> start_store(const Config& config, RedisClient*
     return *std::move(store);
 }
 
+/// Starts to send webhooks, if they are configured.
+Result<std::unique_ptr<Webhooks>> start_webhooks(const Config& config, JobStore& store, const Log& log) {
+    if (config.webhook_hosts.names.empty()) return nullptr;
+    return Webhooks::start({config.webhook_hosts, config.webhook_key_file}, store,
+                           [&log](const std::string& what) { log.warning(what); });
+}
+
 Result<std::unique_ptr<ComputeSupervisor>> start_computing(const Config& config, DecoderSupervisor& decoder,
                                                            const Log& log) {
     return ComputeSupervisor::start(
@@ -122,6 +129,8 @@ Result<Service::Parts> Service::start_parts(const Config& config, const Log& log
     if (!memory) return tl::unexpected(memory.error());
     auto store = start_store(config, redis.jobs.get(), log);
     if (!store) return tl::unexpected(std::move(store.error()));
+    auto webhooks = start_webhooks(config, **store, log);
+    if (!webhooks) return tl::unexpected(std::move(webhooks.error()));
     auto listener = ListeningSocket::open(config.bind, config.port);
     if (!listener) return tl::unexpected(std::move(listener.error()));
     std::optional<ListeningSocket> metrics_listener;
@@ -130,8 +139,9 @@ Result<Service::Parts> Service::start_parts(const Config& config, const Log& log
         if (!opened) return tl::unexpected(std::move(opened.error()));
         metrics_listener.emplace(*std::move(opened));
     }
-    return Parts{std::move(redis),  *std::move(decoder),   *std::move(access_control), *memory,
-                 *std::move(store), *std::move(computing), *std::move(listener),       std::move(metrics_listener)};
+    return Parts{std::move(redis),           *std::move(decoder),  *std::move(access_control), *memory,
+                 *std::move(store),          *std::move(webhooks), *std::move(computing),      *std::move(listener),
+                 std::move(metrics_listener)};
 }
 
 Result<std::unique_ptr<Service>> Service::start(const Config& config, const Log& log) {
@@ -160,6 +170,7 @@ Service::Service(const Config& config, Parts parts, const Log& log)
             [this](const JobEnd& end) {
                 metrics_.add(end);
                 log_.job(end);
+                if (parts_.webhooks && !end.job.callback.empty()) parts_.webhooks->wake();
             }),
       routes_(config,
               {.access_control = *parts_.access_control,
@@ -205,6 +216,9 @@ Result<void> Service::wait_until_ready(const std::stop_token& stop) const {
 
 Result<void> Service::reload(const LiveConfig& live) {
     if (auto read = parts_.access_control->read_keys(); !read) return read;
+    if (parts_.webhooks) {
+        if (auto read = parts_.webhooks->read_keys(); !read) return read;
+    }
     parts_.access_control->set_rate(live.rate);
     routes_.reload(live);
     return {};
@@ -273,6 +287,7 @@ Metrics::Watched Service::figures() const {
                       .rates = counts_of(parts_.redis.rates)},
             .job_capacity = config_.jobs.bytes,
             .job_damages = parts_.store->damages(),
+            .webhooks = parts_.webhooks ? parts_.webhooks->counts() : Webhooks::Counts(),
             .cache = routes_.cache().load()};
 }
 

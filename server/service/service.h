@@ -27,6 +27,7 @@
 #include "server/pool/worker_pool.h"
 #include "server/redis/redis_client.h"
 #include "server/routes/routes.h"
+#include "server/webhooks/webhooks.h"
 
 namespace ccdt::server {
 
@@ -86,6 +87,7 @@ private:
         std::unique_ptr<AccessControl> access_control;
         ComputeMemory memory;
         std::unique_ptr<JobStore> store;
+        std::unique_ptr<Webhooks> webhooks;  ///< null: none are sent
         std::unique_ptr<ComputeSupervisor> computing;
         ListeningSocket listener;
         std::optional<ListeningSocket> metrics_listener;  ///< none: the metrics have no port of their own

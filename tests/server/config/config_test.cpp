@@ -296,6 +296,15 @@ TEST(Config, ReadsThePortOfMetrics) {
     EXPECT_EQ(bind_of_metrics(parse({"--bind=::"})->config), "::");
 }
 
+TEST(Config, ReadsWebhookHosts) {
+    const auto parsed = parse({"--webhook-host=Hooks.example,10.0.0.0/8", "--webhook-key-file=keys"});
+    ASSERT_TRUE(parsed) << parsed.error().message;
+    EXPECT_EQ(parsed->config.webhook_hosts.names, std::vector<std::string>{"hooks.example"});
+    EXPECT_EQ(parsed->config.webhook_hosts.networks.size(), 1u);
+    EXPECT_EQ(parsed->config.webhook_key_file, "keys");
+    EXPECT_TRUE(parse({})->config.webhook_hosts.names.empty());
+}
+
 TEST(Config, ReadsPresets) {
     const auto parsed = parse({"--presets=a", "--presets-only=true"}, {}, R"({"x": {"sites": 1}})");
     ASSERT_TRUE(parsed) << parsed.error().message;
@@ -403,6 +412,10 @@ TEST(Config, ListsEveryFlagAndVariableInTheHelp) {
                              "CCDT_METRICS_PORT",
                              "--pictures-max-age",
                              "CCDT_PICTURES_MAX_AGE",
+                             "--webhook-host",
+                             "CCDT_WEBHOOK_HOST",
+                             "--webhook-key-file",
+                             "CCDT_WEBHOOK_KEY_FILE",
                              "--presets",
                              "CCDT_PRESETS",
                              "--presets-only",
@@ -526,6 +539,9 @@ TEST(Config, NamesTheInvalidFlagOrVariable) {
         {{"--presets=a"}, {}, "a: "},
         {{"--presets-only=yes"}, {}, "--presets-only"},
         {{"--presets-only=true"}, {}, "--presets-only needs --presets"},
+        {{"--webhook-host=https://a"}, {}, "--webhook-host"},
+        {{"--webhook-host=a"}, {}, "--webhook-key-file"},
+        {{"--webhook-key-file=a"}, {}, "--webhook-host"},
         {{"--data-dir="}, {}, "--data-dir"},
         {{"--pictures="}, {}, "--pictures"},
         {{"--docs="}, {}, "--docs"},

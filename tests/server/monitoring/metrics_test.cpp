@@ -139,6 +139,7 @@ TEST(Metrics, ReportsCountsOfOtherComponents) {
         .redis = {},
         .job_capacity = 0,
         .job_damages = 6,
+        .webhooks = {.sent = 14, .failed = 15},
         .cache = {.answers = 2, .bytes = 77, .hits = 5, .misses = 4}};
     metrics.watch([&] { return watched; });
     EXPECT_EQ(value(metrics.text({}), "ccdt_connections_open"), 5);
@@ -160,6 +161,8 @@ TEST(Metrics, ReportsCountsOfOtherComponents) {
     EXPECT_EQ(value(text, "ccdt_decoder_silences_total"), 11);
     EXPECT_EQ(value(text, "ccdt_worker_silences_total"), 12);
     EXPECT_EQ(value(text, "ccdt_job_store_damages_total"), 6);
+    EXPECT_EQ(value(text, "ccdt_webhooks_sent_total"), 14);
+    EXPECT_EQ(value(text, "ccdt_webhook_failures_total"), 15);
     EXPECT_EQ(value(text, "ccdt_cache_bytes"), 77);
     EXPECT_EQ(value(text, "ccdt_cache_hits_total"), 5);
     EXPECT_EQ(value(text, "ccdt_cache_misses_total"), 4);
