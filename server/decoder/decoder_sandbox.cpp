@@ -47,6 +47,22 @@ constexpr auto kAllowed = std::to_array<int>({
     SCMP_SYS(restart_syscall),
 });
 
+/// System calls for Channels::Sockets. None of them makes a socket or connects one.
+constexpr auto kAllowedWithSockets = std::to_array<int>({
+    SCMP_SYS(recvfrom),
+    SCMP_SYS(sendto),
+    SCMP_SYS(sendmsg),
+    SCMP_SYS(poll),
+    SCMP_SYS(setsockopt),
+    SCMP_SYS(getsockopt),
+    SCMP_SYS(getsockname),
+    SCMP_SYS(getpeername),
+    SCMP_SYS(shutdown),
+    SCMP_SYS(fcntl),
+    SCMP_SYS(close),
+});
+constexpr rlim_t kMaxSockets = 16;
+
 /// System calls that map memory, which are allowed only for memory that is not executable.
 constexpr auto kAllowedWithoutExec = std::to_array<int>({SCMP_SYS(mmap), SCMP_SYS(mprotect)});
 
@@ -61,9 +77,17 @@ Sandbox::Memory own_memory() {
     return {memory.space * page, memory.data * page};
 }
 
-bool add_rules(scmp_filter_ctx context) {
+bool add_rules(scmp_filter_ctx context, Sandbox::Channels channels) {
     bool added = true;
-    for (const int call : kAllowed) added &= seccomp_rule_add(context, SCMP_ACT_ALLOW, call, 0) == 0;
+    const auto allow = [&](std::span<const int> calls) {
+        for (const int call : calls) added &= seccomp_rule_add(context, SCMP_ACT_ALLOW, call, 0) == 0;
+    };
+    allow(kAllowed);
+    if (channels == Sandbox::Channels::Sockets) {
+        allow(kAllowedWithSockets);
+        // libcurl 7.88 calls connect() even for a connected socket, and then waits until it can write to the socket.
+        added &= seccomp_rule_add(context, SCMP_ACT_ERRNO(EINPROGRESS), SCMP_SYS(connect), 0) == 0;
+    }
     for (const int call : kAllowedWithoutExec) {
         const scmp_arg_cmp without_exec{2, SCMP_CMP_MASKED_EQ, PROT_EXEC, 0};
         added &= seccomp_rule_add_array(context, SCMP_ACT_ALLOW, call, 1, &without_exec) == 0;
@@ -74,9 +98,9 @@ bool add_rules(scmp_filter_ctx context) {
 
 /// Compiles the filter to BPF, the kernel's format, once for all children.
 /// @returns  empty on failure
-std::vector<sock_filter> compile(scmp_filter_ctx context) {
+std::vector<sock_filter> compile(scmp_filter_ctx context, Sandbox::Channels channels) {
     const UniqueFd file(memfd_create("filter", MFD_CLOEXEC));
-    if (!add_rules(context) || seccomp_export_bpf(context, file.get()) != 0) return {};
+    if (!add_rules(context, channels) || seccomp_export_bpf(context, file.get()) != 0) return {};
     std::vector<sock_filter> program(static_cast<std::size_t>(lseek(file.get(), 0, SEEK_END)) / sizeof(sock_filter));
     const auto bytes = std::as_writable_bytes(std::span(program));
     if (pread(file.get(), bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) return {};
@@ -146,19 +170,20 @@ int try_in_child(const Step& step) {
 struct Sandbox::Filter {
     std::vector<sock_filter> program;  ///< empty if it could not be compiled
 
-    static std::unique_ptr<const Filter> create() {
+    static std::unique_ptr<const Filter> create(Channels channels) {
         Filter filter;
         if (const scmp_filter_ctx context = seccomp_init(SCMP_ACT_ERRNO(EPERM))) {
-            filter.program = compile(context);
+            filter.program = compile(context, channels);
             seccomp_release(context);
         }
         return std::make_unique<const Filter>(std::move(filter));
     }
 };
 
-Sandbox::Sandbox()
-    : own_(own_memory()),
-      filter_(Filter::create()),
+Sandbox::Sandbox(Channels channels)
+    : channels_(channels),
+      own_(own_memory()),
+      filter_(Filter::create(channels)),
       filter_error_(try_in_child([this] { return filter_calls(); })),
       landlock_error_(try_in_child([] { return enter_landlock(rules_of(landlock_version())); })) {}
 
@@ -183,7 +208,8 @@ bool Sandbox::limit_resources(const DecoderLimits& limits, std::size_t mapped) c
     const rlim_t data = own_.data + limits.memory;
     const rlim_t space = own_.space + mapped + limits.memory;
     const bool shut = !kIsWhole || (leaves(RLIMIT_DATA, data) && leaves(RLIMIT_AS, space) && limit(RLIMIT_DATA, data) &&
-                                    limit(RLIMIT_AS, space + kReserved) && limit(RLIMIT_NOFILE, 0));
+                                    limit(RLIMIT_AS, space + kReserved) &&
+                                    limit(RLIMIT_NOFILE, channels_ == Channels::Sockets ? kMaxSockets : 0));
     // At the soft limit, SIGXCPU tells the helper why the child ended. At the hard limit, the kernel sends SIGKILL.
     constexpr rlim_t kMargin = 1;
     return shut && limit(RLIMIT_CPU, static_cast<rlim_t>(limits.time.count()), kMargin) && limit(RLIMIT_FSIZE, 0) &&

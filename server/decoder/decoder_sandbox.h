@@ -13,7 +13,7 @@ struct DecoderLimits {
     std::chrono::seconds time{};  ///< processor time; at least 1 s
 };
 
-/// A sandbox in which a decoding process can only compute, allocate memory and write to its standard output.
+/// A sandbox in which a process can only compute, allocate memory and use its channels.
 ///
 /// In builds with sanitizers, memory and files are not limited and system calls are not filtered, because sanitizers
 /// reserve terabytes of address space, open files and make further system calls.
@@ -32,9 +32,15 @@ public:
         std::size_t data = 0;   ///< private writable memory
     };
 
+    /// Descriptors that the process may use.
+    enum class Channels {
+        Output,  ///< standard output, for writing
+        Sockets  ///< all sockets that it has, of which none has a number above 15
+    };
+
     /// Measures the memory of the calling process, which its children inherit, and tries the filter and Landlock in a
     /// child. Afterwards, the calling process can gain no privileges (PR_SET_NO_NEW_PRIVS).
-    Sandbox();
+    explicit Sandbox(Channels channels = Channels::Output);
     ~Sandbox();
     Sandbox(const Sandbox&) = delete;
     Sandbox& operator=(const Sandbox&) = delete;
@@ -66,6 +72,7 @@ private:
     bool limit_resources(const DecoderLimits& limits, std::size_t mapped) const;
     bool filter_calls() const;
 
+    const Channels channels_;
     const Memory own_;  ///< memory of the process that called the constructor
     const std::unique_ptr<const Filter> filter_;
     const int filter_error_;
