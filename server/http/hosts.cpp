@@ -10,6 +10,28 @@
 #include "server/http/http.h"
 
 namespace ccdt::server {
+namespace {
+
+std::string name_of(const Origin& origin) {
+    return origin.scheme + "://" + origin.host + ':' + origin.port;
+}
+
+/// Parses an origin such as `https://pictures.example:8443`; none if the text is not one.
+std::optional<Origin> parse_origin(std::string_view text) {
+    const auto end = text.find("://");
+    const auto scheme = text.substr(0, end);
+    if (end == std::string_view::npos || (scheme != "http" && scheme != "https")) return std::nullopt;
+    const auto authority = text.substr(end + 3);
+    const auto mark = authority.find_last_of(":]");
+    const auto colon = mark != std::string_view::npos && authority[mark] == ':' ? mark : authority.size();
+    const auto host = parse_host(authority.substr(0, colon));
+    const auto port = colon == authority.size() ? std::optional<std::uint16_t>(scheme == "http" ? 80 : 443)
+                                                : api::parse_number<std::uint16_t>(authority.substr(colon + 1));
+    if (!host || !port) return std::nullopt;
+    return Origin{std::string(scheme), *host, std::to_string(*port)};
+}
+
+}  // namespace
 
 bool is_loopback(std::string_view host) {
     if (host == "localhost" || host.ends_with(".localhost") || host == "::1") return true;
@@ -43,18 +65,20 @@ std::optional<TargetHosts> TargetHosts::parse(std::string_view text) {
     for (bool more = true; more;) {
         more = text.find(',') != std::string_view::npos;
         const auto one = api::take_until(text, ",");
-        const auto host = parse_host(one);
+        const auto origin = parse_origin(one);
+        const auto host = origin ? origin->host : parse_host(one);
         const auto network = IpNetwork::parse(host ? *host : one);
         if ((!network && !host) || host == kAny) return std::nullopt;
         if (network) hosts.networks.push_back(*network);
-        if (host) hosts.names.push_back(*host);
+        if (host) hosts.names.push_back(origin ? name_of(*origin) : *host);
     }
     if (hosts.names.empty()) return std::nullopt;
     return hosts;
 }
 
-bool TargetHosts::permits(std::string_view host) const {
-    return std::ranges::find(names, host) != names.end();
+bool TargetHosts::permits(const Origin& origin) const {
+    return std::ranges::any_of(names,
+                               [&](const std::string& name) { return name == origin.host || name == name_of(origin); });
 }
 
 bool TargetHosts::permits(const IpAddress& address) const {

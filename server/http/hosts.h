@@ -36,18 +36,25 @@ bool allows_host(const std::vector<std::string>& allowed, std::string_view autho
 /// nor an address.
 std::optional<std::string> parse_host(std::string_view text);
 
+/// The scheme, host and port of a URL.
+struct Origin {
+    std::string scheme;  ///< http or https
+    std::string host;    ///< as parse_host() returns it
+    std::string port;    ///< a number
+};
+
 /// The hosts to which the server may connect on behalf of clients.
 struct TargetHosts {
-    std::vector<std::string> names;   ///< hosts that URLs may name, as parse_host() returns them
+    std::vector<std::string> names;   ///< hosts that URLs may name, or `scheme://host:port`
     std::vector<IpNetwork> networks;  ///< addresses that these hosts may have although they are not public
 
-    /// Parses names, addresses, and networks such as `10.0.0.0/8`, separated by commas. An address is also a network.
+    /// Parses origins such as `https://pictures.example:8443`, hosts, and networks such as `10.0.0.0/8`, separated by
+    /// commas. A host stands for all its origins. A host that is an address is also a network.
     /// @returns  none if the text is malformed, or consists only of networks
     static std::optional<TargetHosts> parse(std::string_view text);
 
-    /// Whether URLs may name a host. The address to which the server connects must be permitted, too.
-    /// @param host  as parse_host() returns it
-    bool permits(std::string_view host) const;
+    /// Whether URLs may name an origin. The address to which the server connects must be permitted, too.
+    bool permits(const Origin& origin) const;
     bool permits(const IpAddress& address) const;
 };
 

@@ -31,7 +31,7 @@ using HeaderList = std::unique_ptr<curl_slist, Release<curl_slist, curl_slist_fr
 /// Returns a part of a URL; none if the URL does not have it.
 std::optional<std::string> part_of(CURLU* url, CURLUPart part) {
     char* text = nullptr;
-    if (curl_url_get(url, part, &text, 0) != CURLUE_OK) return std::nullopt;
+    if (curl_url_get(url, part, &text, CURLU_DEFAULT_PORT) != CURLUE_OK) return std::nullopt;
     const std::unique_ptr<char, Release<void, curl_free>> owner(text);
     return std::string(text);
 }
@@ -77,7 +77,7 @@ HeaderList list_of(const std::vector<Header>& headers) {
 
 }  // namespace
 
-Result<std::string> check_target(const std::string& url, const TargetHosts& hosts) {
+Result<Origin> check_target(const std::string& url, const TargetHosts& hosts) {
     const auto is_visible = [](char c) { return c > ' ' && c < 0x7f; };
     const Url parsed(curl_url());
     if (parsed == nullptr) throw std::bad_alloc();
@@ -91,9 +91,10 @@ Result<std::string> check_target(const std::string& url, const TargetHosts& host
         return failure(ErrorCode::Malformed, "the URL must have no fragment");
     const std::string name = part_of(parsed.get(), CURLUPART_HOST).value_or("");
     const auto host = parse_host(name);
-    if (!host || !hosts.permits(std::string_view(*host)))
+    Origin origin{*scheme, host.value_or(""), part_of(parsed.get(), CURLUPART_PORT).value_or("")};
+    if (!host || !hosts.permits(origin))
         return failure(ErrorCode::Malformed, "the host " + name + " is not one of those that this server permits");
-    return *host;
+    return origin;
 }
 
 Result<int> post(const std::string& url, const std::vector<Header>& headers, const std::string& body,

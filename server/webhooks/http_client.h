@@ -12,11 +12,10 @@
 
 namespace ccdt::server {
 
-/// Checks the URL of another server to which this server may connect.
-/// @returns  its host, in lower case and without the brackets of an address
+/// Checks the URL of another server to which this server may connect, and returns its origin.
 /// Errors (Malformed): the text is not an http or https URL of visible ASCII characters, has credentials or a fragment,
-/// has more than 1024 characters, or names a host that `hosts` does not permit. The message contains only the host.
-Result<std::string> check_target(const std::string& url, const TargetHosts& hosts);
+/// has more than 1024 characters, or names an origin that `hosts` does not permit. The message contains only the host.
+Result<Origin> check_target(const std::string& url, const TargetHosts& hosts);
 
 /// Sends a POST request, and returns the status of its answer.
 ///

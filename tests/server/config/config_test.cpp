@@ -539,7 +539,7 @@ TEST(Config, NamesTheInvalidFlagOrVariable) {
         {{"--presets=a"}, {}, "a: "},
         {{"--presets-only=yes"}, {}, "--presets-only"},
         {{"--presets-only=true"}, {}, "--presets-only needs --presets"},
-        {{"--webhook-host=https://a"}, {}, "--webhook-host"},
+        {{"--webhook-host=https://a/b"}, {}, "--webhook-host"},
         {{"--webhook-host=a"}, {}, "--webhook-key-file"},
         {{"--webhook-key-file=a"}, {}, "--webhook-host"},
         {{"--data-dir="}, {}, "--data-dir"},

@@ -59,10 +59,23 @@ TEST(AllowsHost, AcceptsEverythingIfAnyIsListed) {
 
 TEST(TargetHosts, PermitsListedHosts) {
     const auto hosts = TargetHosts::parse("hooks.Example,[::1],10.0.0.0/8").value();
-    for (const auto* host : {"hooks.example", "::1"}) EXPECT_TRUE(hosts.permits(std::string_view(host))) << host;
+    for (const auto* host : {"hooks.example", "::1"}) EXPECT_TRUE(hosts.permits(Origin{"http", host, "1"})) << host;
     for (const auto* host : {"", "example", "a.hooks.example", "10.0.0.1", "10.0.0.0/8"})
-        EXPECT_FALSE(hosts.permits(std::string_view(host))) << host;
-    for (const auto* text : {"", "*", "a,", "a:80", "10.0.0.0/8", "https://a", "10.0.0.0/33", "[a]"})
+        EXPECT_FALSE(hosts.permits(Origin{"http", host, "1"})) << host;
+    for (const auto* text : {"", "*", "a,", "a:80", "10.0.0.0/8", "10.0.0.0/33", "[a]"})
+        EXPECT_FALSE(TargetHosts::parse(text)) << text;
+}
+
+TEST(TargetHosts, PermitsListedOrigins) {
+    const auto hosts = TargetHosts::parse("https://A.example,http://b.example:8080,http://[::1]:81").value();
+    EXPECT_TRUE(hosts.permits(Origin{"https", "a.example", "443"}));
+    EXPECT_TRUE(hosts.permits(Origin{"http", "b.example", "8080"}));
+    EXPECT_TRUE(hosts.permits(Origin{"http", "::1", "81"}));
+    EXPECT_TRUE(hosts.permits(IpAddress::parse("::1").value()));
+    EXPECT_FALSE(hosts.permits(Origin{"http", "a.example", "443"}));
+    EXPECT_FALSE(hosts.permits(Origin{"https", "a.example", "80"}));
+    EXPECT_FALSE(hosts.permits(Origin{"http", "b.example", "80"}));
+    for (const auto* text : {"https://", "https://a/", "https://a:", "https://a:x", "ftp://a", "//a"})
         EXPECT_FALSE(TargetHosts::parse(text)) << text;
 }
 
