@@ -126,10 +126,12 @@ std::string set_allowed_hosts(Draft& draft, std::string_view text) {
     return {};
 }
 
-std::string set_webhook_hosts(Draft& draft, std::string_view text) {
+std::string set_targets(TargetHosts& target, std::string_view text) {
     auto hosts = TargetHosts::parse(text);
-    if (!hosts) return "names such as hooks.example, addresses, or networks such as 10.0.0.0/8, separated by commas";
-    draft.config.webhook_hosts = *std::move(hosts);
+    if (!hosts)
+        return "origins such as https://pictures.example, names, addresses, or networks such as 10.0.0.0/8, separated "
+               "by commas";
+    target = *std::move(hosts);
     return {};
 }
 
@@ -266,7 +268,8 @@ constexpr auto kSettings = std::to_array<Setting>({
      "storage for jobs (1GiB; in memory a sixteenth of --memory, at most 256MiB)",
      [](Draft& draft, std::string_view text) { return set_bytes(draft.job_bytes.emplace(), text); }},
     {"--webhook-host", "CCDT_WEBHOOK_HOST", "HOSTS",
-     "hosts to which webhooks at the ends of jobs may be sent, separated by commas (none)", set_webhook_hosts},
+     "hosts to which webhooks at the ends of jobs may be sent, separated by commas (none)",
+     [](Draft& draft, std::string_view text) { return set_targets(draft.config.webhook_hosts, text); }},
     {"--webhook-key-file", "CCDT_WEBHOOK_KEY_FILE", "FILE",
      "lines of name:whsec_BASE64, which sign webhooks; SIGHUP reloads the file",
      [](Draft& draft, std::string_view text) {
@@ -312,6 +315,9 @@ constexpr auto kSettings = std::to_array<Setting>({
          return expected;
      },
      false, false, true},
+    {"--origin", "CCDT_ORIGIN", "ORIGINS",
+     "origins of the pictures of POST /halftone?image_url=URL, separated by commas (none)",
+     [](Draft& draft, std::string_view text) { return set_targets(draft.config.origins, text); }},
     {"--docs", "CCDT_DOCS", "FOLDER", "folder of the documentation that GET /docs/ serves (none)",
      [](Draft& draft, std::string_view text) {
          draft.config.docs = text;

@@ -66,6 +66,7 @@ struct Config {
     std::string pictures;                ///< folder of pictures requested by name; empty: none
     std::string docs;                    ///< folder served under /docs/; empty: none
     AccessControl::SigningKeys signing;  ///< empty: pictures by name need no signature
+    TargetHosts origins;                 ///< hosts of pictures that clients request by URL; none: no such pictures
     TargetHosts webhook_hosts;           ///< hosts to which webhooks may be sent; none: no webhooks
     std::string webhook_key_file;        ///< file of the keys that sign webhooks
     LogFormat log_format = LogFormat::Text;

@@ -318,6 +318,21 @@ std::vector<api::TextOption> parse_query(std::string_view query) {
     return options;
 }
 
+std::optional<std::string> take_parameter(std::string& query, std::string_view name) {
+    std::optional<std::string> value;
+    std::string others;
+    for (std::string_view rest = query; !rest.empty();) {
+        const auto parameter = api::take_until(rest, "&");
+        auto content = parameter;
+        if (decode_percent(api::take_until(content, "="), true) == name)
+            value = decode_percent(content, true);
+        else
+            others.append(others.empty() ? "" : "&").append(parameter);
+    }
+    if (value) query = std::move(others);
+    return value;
+}
+
 std::string encode_percent(std::string_view text) {
     std::string encoded;
     for (const char c : text) {

@@ -47,6 +47,10 @@ std::optional<std::string_view> take_unquoted(std::string_view& text, char separ
 /// Returns the decoded parameters of a query in order, including repeated ones; `+` becomes a space.
 std::vector<api::TextOption> parse_query(std::string_view query);
 
+/// Removes a parameter from a query.
+/// @returns  its decoded value; none if the query does not have it. A repeated parameter counts as the last one
+std::optional<std::string> take_parameter(std::string& query, std::string_view name);
+
 /// Percent-encodes a name or value of a query. `parse_query` restores any bytes.
 std::string encode_percent(std::string_view text);
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "server/decoder/shapefile_cost.h"
+#include "server/fetch/fetch.h"
 #include "server/http/compression.h"
 #include "server/http/entity_tag.h"
 #include "server/http/trace.h"
@@ -35,6 +36,9 @@ constexpr std::chrono::seconds kGrace{2};
 
 /// Content type of pictures from the folder of pictures. It prevents parsing as JSON or as a form.
 constexpr const char* kPicture = "image/*";
+
+/// Maximum number of pictures that are fetched at the same time. Each one needs a process.
+constexpr int kMaxFetches = 16;
 
 /// Size of a body, in bytes, above which a request is never a short job.
 constexpr std::size_t kLongBody = 65'536;
@@ -245,11 +249,14 @@ HttpResult<Response> ComputeRoutes::answer(const Operation& operation, const Pre
                               std::string(request.header("Content-Type")),
                               std::string(request.header("Accept")),
                               {}};
+    const auto url =
+        operation.form_part == "image" ? take_parameter(to_compute.query, "image_url") : std::optional<std::string>();
+    if (url) to_compute.content_type = kPicture;
     if (auto checked = check(operation, to_compute); !checked) return problem(std::move(checked.error()));
     const bool deferred = prefers(request, "respond-async");
     const auto callback = find_callback(request);
     if (!callback) return tl::unexpected(callback.error());
-    auto body = read_body(incoming, deferred);
+    auto body = read_body(incoming, url, deferred);
     if (!body) return tl::unexpected(std::move(body.error()));
     to_compute.body = *std::move(body);
     auto lease = reserve_memory(to_compute.body.size());
@@ -375,7 +382,9 @@ HttpResult<void> ComputeRoutes::check_drain(const Incoming& incoming) const {
 }
 
 /// Reads the body of a request. Does not read it if there is a Content-Encoding, a shutdown or a full queue.
-HttpResult<std::string> ComputeRoutes::read_body(const Incoming& incoming, bool deferred) const {
+/// @param url  URL of the picture that replaces the body; none: the request has a body
+HttpResult<std::string> ComputeRoutes::read_body(const Incoming& incoming, const std::optional<std::string>& url,
+                                                 bool deferred) {
     const Request& request = incoming.request;
     Connection& connection = incoming.connection;
     if (std::ranges::any_of(request.headers, is_encoding))
@@ -385,7 +394,22 @@ HttpResult<std::string> ComputeRoutes::read_body(const Incoming& incoming, bool 
     const auto& client = connection.client_name();
     if (deferred && jobs_.is_full(client)) return busy(429, "too many jobs are waiting (job-queue)");
     if (!deferred && pool_.is_full(client, may_be_short)) return busy(429, "too many requests are waiting");
-    return connection.read_body(request, config_.max_body);
+    if (!url) return connection.read_body(request, config_.max_body);
+    if (request.chunked || request.content_length.value_or(0) > 0)
+        return problem(400, "image_url replaces the body, which must be empty");
+    return fetch_picture(*url, incoming);
+}
+
+/// Fetches a picture from one of the permitted origins.
+HttpResult<std::string> ComputeRoutes::fetch_picture(const std::string& url, const Incoming& incoming) {
+    const std::shared_ptr<void> slot(nullptr, [this](void*) { --fetches_; });
+    if (++fetches_ > kMaxFetches) return busy(503, "too many pictures are being fetched");
+    MemoryBudget::Lease lease;
+    const auto reserve = [&](std::size_t bytes) {
+        return reserve_memory(bytes).map([&](MemoryBudget::Lease&& reserved) { lease = std::move(reserved); });
+    };
+    return fetch(url, config_.origins, {.max_bytes = config_.max_body, .timeout = config_.patience.body}, reserve,
+                 [&] { return abandoned_ || incoming.connection.client_gone(); });
 }
 
 /// Reserves memory for a request until it is answered.

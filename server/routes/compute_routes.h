@@ -86,7 +86,8 @@ private:
     tl::unexpected<Problem> too_slow(Record& record) const;
     tl::unexpected<Problem> too_large(std::size_t bytes) const;
     HttpResult<void> check_drain(const Incoming& incoming) const;
-    HttpResult<std::string> read_body(const Incoming& incoming, bool deferred) const;
+    HttpResult<std::string> read_body(const Incoming& incoming, const std::optional<std::string>& url, bool deferred);
+    HttpResult<std::string> fetch_picture(const std::string& url, const Incoming& incoming);
     HttpResult<MemoryBudget::Lease> reserve_memory(std::size_t size);
     HttpResult<AcceptedPointer> prepare(const Operation& operation, ComputeRequest request,
                                         const std::vector<FormPart>& fields, MemoryBudget::Lease lease);
@@ -118,6 +119,7 @@ private:
     const ReadShapefile read_shapefile_;
     JobService& jobs_;
     ResultCache cache_;
+    std::atomic<int> fetches_ = 0;  ///< number of pictures that are being fetched
     std::atomic<bool> draining_ = false;
     std::atomic<bool> abandoned_ = false;
 };

@@ -135,6 +135,12 @@ Found check_webhooks(const Config& config) {
     return {State::Good, "signed with " + config.webhook_key_file};
 }
 
+Found check_origins(const Config& config) {
+    if (config.origins.names.empty()) return {State::Good, "no pictures by URL"};
+    const auto program = find_program("ccdt-fetcher");
+    return program ? Found{State::Good, "fetched by " + *program} : wrong(program.error());
+}
+
 Found check_answers(const Config& config) {
     if (config.cache_redis) return check_redis(*config.cache_redis, "kept here and in", RedisCache::find_faults);
     return {State::Good, config.cache > 0 ? "kept here" : "not kept"};
@@ -169,10 +175,10 @@ struct Check {
 };
 
 constexpr Check kChecks[] = {
-    {"decoder", check_decoder},   {"worker", check_worker},     {"keys", check_keys},     {"signing", check_signing},
-    {"pictures", check_pictures}, {"docs", check_docs},         {"memory", check_memory}, {"files", check_files},
-    {"jobs", check_jobs},         {"answers", check_answers},   {"rates", check_rates},   {"address", check_address},
-    {"metrics", check_metrics},   {"webhooks", check_webhooks},
+    {"decoder", check_decoder},   {"worker", check_worker},     {"keys", check_keys},       {"signing", check_signing},
+    {"pictures", check_pictures}, {"docs", check_docs},         {"memory", check_memory},   {"files", check_files},
+    {"jobs", check_jobs},         {"answers", check_answers},   {"rates", check_rates},     {"address", check_address},
+    {"metrics", check_metrics},   {"webhooks", check_webhooks}, {"origins", check_origins},
 };
 
 std::string_view name_of(State state) {

@@ -15,7 +15,7 @@ from engine import Redis
 from harness import PATIENCE, Server, ask, execute, join
 
 PARTS = ["decoder", "worker", "keys", "signing", "pictures", "docs", "memory", "files", "jobs", "answers", "rates", "address",
-         "metrics", "webhooks"]
+         "metrics", "webhooks", "origins"]
 MAY_BE_WRONG = [part for part in PARTS if part not in ("files", "answers", "rates", "metrics")]
 
 
@@ -75,11 +75,12 @@ class Check(unittest.TestCase):
         with socket.create_server(("127.0.0.1", 0)) as taken:
             wrong = self.wrong(f"--port={taken.getsockname()[1]}", "--memory=1MiB", "--api-key-file=/none",
                                "--signing-key-file=/none", "--pictures=/none", "--docs=/none",
-                               "--webhook-host=a", "--webhook-key-file=/none",
+                               "--webhook-host=a", "--webhook-key-file=/none", "--origin=a",
                                f"--data-dir={self.folder / 'file' / 'jobs'}", program=alone)
         self.assertEqual(list(wrong), MAY_BE_WRONG)
         self.assertIn("ccdt-decoder", wrong["decoder"])
         self.assertIn("ccdt-worker", wrong["worker"])
+        self.assertIn("ccdt-fetcher", wrong["origins"])
         for part in ("keys", "signing", "pictures", "docs", "webhooks"):
             self.assertIn("/none", wrong[part])
         self.assertIn("MiB suffice", wrong["memory"])

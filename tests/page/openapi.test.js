@@ -28,7 +28,7 @@ test("the document is valid, and has no unused components", async () => {
 // TypeScript whose statements must all compile except the last one.
 const uses = `
 type Halftone = paths["/halftone"]["post"];
-type Sent = Halftone["requestBody"]["content"];
+type Sent = NonNullable<Halftone["requestBody"]>["content"];
 type Got = Halftone["responses"][200]["content"];
 const picture = new Blob();
 export const body: Sent["application/octet-stream"] = picture;

@@ -146,6 +146,14 @@ TEST(ParseQuery, KeepsOrderAndRepetitions) {
     EXPECT_TRUE(parse_query("").empty());
 }
 
+TEST(TakeParameter, RemovesAParameterFromAQuery) {
+    std::string query = "sites=3&image_url=https%3a//a.example/b%26c&x=%zz";
+    EXPECT_EQ(take_parameter(query, "image_url"), "https://a.example/b&c");
+    EXPECT_EQ(query, "sites=3&x=%zz");
+    EXPECT_EQ(take_parameter(query, "image_url"), std::nullopt);
+    EXPECT_EQ(query, "sites=3&x=%zz");
+}
+
 TEST(Prefers, FindsAPreferenceAmongOthers) {
     const auto prefers_async = [](std::string_view header) {
         Request request;
