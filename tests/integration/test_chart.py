@@ -57,6 +57,9 @@ RELEASES = {
     "on a disk": {"replicas": 1, "pause": 0, "store": {"kind": "disk", "disk": {"storageClass": "fast"}},
                   "networkPolicy": {"enabled": True}, "podDisruptionBudget": {"enabled": False}},
     "with a port of metrics": {"monitoring": {"enabled": True, "port": 9090}, "networkPolicy": {"enabled": True}},
+    "with webhooks": {"settings": {"CCDT_WEBHOOK_HOST": "a", "CCDT_WEBHOOK_KEY_FILE": "/etc/ccdt/webhooks"},
+                      "keys": {"existingSecret": "keys"},
+                      "networkPolicy": {"enabled": True, "egress": [{"ports": [{"port": 443}]}]}},
 }
 
 REFUSED = (
@@ -187,6 +190,13 @@ class Chart(unittest.TestCase):
         self.assertEqual(named["volumes"][0]["secret"]["secretName"], "keys")
         self.assertIn({"name": "CCDT_REDIS", "valueFrom": {"secretKeyRef": {"name": "engine", "key": "url"}}},
                       named["containers"][0]["env"])
+
+    def test_policy_permits_only_what_is_configured(self):
+        ports = {name: [[port["port"] for port in rule["ports"]] for rule in
+                        self.releases[name]["NetworkPolicy"]["spec"]["egress"]]
+                 for name in ("on a disk", "scaled by KEDA", "with webhooks")}
+        self.assertEqual(ports, {"on a disk": [], "scaled by KEDA": [[6379], [53, 53]],
+                                 "with webhooks": [[443], [53, 53]]})
 
     def test_selectors_match_labels(self):
         for documents in self.releases.values():
