@@ -167,6 +167,16 @@ def test_keys_are_sent(tmp_path):
         assert len(Client(server.url(""), "alice-0123456789abcdef").sample(ccdt.Torus(), 5).json()["points"]) == 5
 
 
+def test_presets_are_requested_by_name(tmp_path):
+    presets = tmp_path / "presets.json"
+    presets.write_text('{"small": {"sites": 7, "format": "csv"}}')
+    with Server(f"--presets={presets}") as server:
+        client = Client(server.url(""))
+        assert bytes(client.halftone(PICTURES / "chelsea.png", preset="small")).count(b"\n") == 8
+        assert bytes(client.start_halftone(PICTURES / "chelsea.png", 5, preset="small").result()).count(b"\n") == 6
+        assert bytes(client.sample(PICTURES.parent / "meshes" / "house.obj", preset="small")).count(b"\n") == 8
+
+
 def test_requests_wait_while_the_server_is_busy():
     with Server("--rate-limit=1", "--rate-burst=1") as server:
         client = Client(server.url(""), patience=30)

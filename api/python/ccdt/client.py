@@ -163,13 +163,14 @@ class Client:
         self._timeout = timeout
         self._patience = patience
 
-    def halftone(self, picture: Any, sites: Optional[int] = None, *, progress: Progress = None,
-                 **options: Any) -> Answer:
+    def halftone(self, picture: Any, sites: Optional[int] = None, *, preset: Optional[str] = None,
+                 progress: Progress = None, **options: Any) -> Answer:
         """Draws a picture with dots.
 
         Args:
             picture: file of a picture, as a path, bytes, or an open file.
             sites: exact number of dots; by default chosen by the server.
+            preset: name of options that the operator of the server has defined. Other options override them.
             progress: function that receives the completed share of the work, 0 to 1. The request is then a job, which
                 is cancelled if the function raises an exception.
             **options: options of ``POST /halftone``, such as ``format="svg"``. Options that are None are left out.
@@ -178,9 +179,10 @@ class Client:
             Error: the server refused the request. The message names the option and its limit.
             OSError: the server cannot be reached.
         """
-        return self._compute(_halftone(picture, {"sites": sites, **options}), progress)
+        return self._compute(_halftone(picture, {"preset": preset, "sites": sites, **options}), progress)
 
-    def sample(self, domain: Any, sites: Any = None, *, progress: Progress = None, **options: Any) -> Answer:
+    def sample(self, domain: Any, sites: Any = None, *, preset: Optional[str] = None, progress: Progress = None,
+               **options: Any) -> Answer:
         """Spreads points evenly over an area or a surface.
 
         Args:
@@ -188,33 +190,37 @@ class Client:
                 a torus, a rectangle, a box, a solid or a raster of pixels, or the file of a mesh. A :class:`ccdt.Mesh` is
                 not accepted. In space, a density is a dict, like the member of ``POST /sample``.
             sites: exact number of points.
+            preset: as for :meth:`halftone`; for the file of a mesh only.
             progress: as for :meth:`halftone`.
             **options: members of the body of ``POST /sample``, such as ``format="csv"``; for a mesh, its options.
         """
-        return self._compute(_sample(domain, {"sites": sites, **options}), progress)
+        return self._compute(_sample(domain, {"preset": preset, "sites": sites, **options}), progress)
 
-    def analyze(self, points: Any, domain: Any = None, *, progress: Progress = None, **options: Any) -> Answer:
+    def analyze(self, points: Any, domain: Any = None, *, preset: Optional[str] = None, progress: Progress = None,
+                **options: Any) -> Answer:
         """Measures how evenly points are spread.
 
         Args:
             points: positions [n, 2] or, in space and on a surface, [n, 3].
             domain: a torus, a rectangle, a box or the file of a mesh; the unit torus by default.
+            preset: as for :meth:`sample`.
             progress: as for :meth:`halftone`.
             **options: members of the body of ``POST /analyze``, such as ``format="png"``; for a mesh, its options.
         """
-        return self._compute(_analyze(points, {"domain": domain, **options}), progress)
+        return self._compute(_analyze(points, {"preset": preset, "domain": domain, **options}), progress)
 
-    def start_halftone(self, picture: Any, sites: Optional[int] = None, **options: Any) -> Job:
+    def start_halftone(self, picture: Any, sites: Optional[int] = None, *, preset: Optional[str] = None,
+                       **options: Any) -> Job:
         """Starts a job. The parameters are those of :meth:`halftone`."""
-        return self._start(_halftone(picture, {"sites": sites, **options}))
+        return self._start(_halftone(picture, {"preset": preset, "sites": sites, **options}))
 
-    def start_sample(self, domain: Any, sites: Any = None, **options: Any) -> Job:
+    def start_sample(self, domain: Any, sites: Any = None, *, preset: Optional[str] = None, **options: Any) -> Job:
         """Starts a job. The parameters are those of :meth:`sample`."""
-        return self._start(_sample(domain, {"sites": sites, **options}))
+        return self._start(_sample(domain, {"preset": preset, "sites": sites, **options}))
 
-    def start_analyze(self, points: Any, domain: Any = None, **options: Any) -> Job:
+    def start_analyze(self, points: Any, domain: Any = None, *, preset: Optional[str] = None, **options: Any) -> Job:
         """Starts a job. The parameters are those of :meth:`analyze`."""
-        return self._start(_analyze(points, {"domain": domain, **options}))
+        return self._start(_analyze(points, {"preset": preset, "domain": domain, **options}))
 
     def capabilities(self) -> Dict[str, Any]:
         """Returns the formats, the options and the limits of the server."""

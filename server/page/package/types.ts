@@ -5,8 +5,11 @@ import type { components, paths } from "./openapi.js";
 
 type Schemas = components["schemas"];
 
-export type HalftoneOptions = Schemas["HalftoneOptions"];
-export type DeviceOptions = Schemas["DeviceOptions"];
+/** `preset` names options that the operator of the server has defined. Other options override them. */
+interface WithPreset { preset?: string }
+
+export type HalftoneOptions = Schemas["HalftoneOptions"] & WithPreset;
+export type DeviceOptions = Schemas["DeviceOptions"] & WithPreset;
 export type SampleRequest = Schemas["SampleRequest"] | Schemas["PixelRequest"] | Schemas["VolumeRequest"];
 export type AnalyzeRequest = Schemas["AnalyzeRequest"];
 export type Capabilities = Schemas["Capabilities"];
@@ -16,16 +19,16 @@ export type JobState = Schemas["Job"];
 export type OptionError = NonNullable<Schemas["Problem"]["errors"]>[number];
 
 /** Options for a map in a file. `sites` is a number or the name of the property that holds the counts. */
-export type MapOptions = Omit<Schemas["SampleOptions"], "sites"> & { sites?: number | string };
+export type MapOptions = Omit<Schemas["SampleOptions"], "sites"> & WithPreset & { sites?: number | string };
 
 /** Options for points on a mesh in a file. */
-export type SurfaceOptions = Schemas["SurfaceOptions"];
+export type SurfaceOptions = Schemas["SurfaceOptions"] & WithPreset;
 
 /** Options for points in space, with a file of voxels or, with the domain `solid`, of a mesh. */
-export type VolumeOptions = Schemas["VolumeOptions"];
+export type VolumeOptions = Schemas["VolumeOptions"] & WithPreset;
 
 /** Options for the analysis of points on a mesh. `points` may also be the text of a file. */
-export type SurfaceAnalyzeOptions = Omit<Schemas["SurfaceAnalyzeOptions"], "points"> & { points: Schemas["Position"][] | string };
+export type SurfaceAnalyzeOptions = Omit<Schemas["SurfaceAnalyzeOptions"], "points"> & WithPreset & { points: Schemas["Position"][] | string };
 export type SurfaceAnalysis = Schemas["SurfaceAnalysis"];
 
 export type HalftoneFormat = NonNullable<HalftoneOptions["format"]>;

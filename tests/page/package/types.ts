@@ -13,12 +13,14 @@ const { signal } = new AbortController();
 export const png: Promise<Blob> = client.halftone(picture);
 export const svg: Promise<string> = client.halftone("photo.jpg", { format: "svg", palette: ["#c03"], levels: [0.1, 0.9] });
 export const either: Promise<string | Blob> = client.halftone(new Uint8Array(9), { format: "png" as "png" | "csv" });
+export const poster: Promise<string> = client.halftone(picture, { preset: "poster", format: "svg" });
 export const raw: Promise<Blob> = client.device(picture, { device: "spectra6", format: "raw" }, { signal });
 export const points: Promise<number[][]> = client.sample({ sites: 9, domain: torus }).then((answer) => answer.points);
 export const features: Promise<"Feature" | "FeatureCollection"> =
   client.sample({ sites: 9, polygon: [[0, 0], [1, 0], [0, 1]], format: "geojson" }).then((answer) => answer.type);
 export const mask: Promise<Blob> = client.sample({ domain: torus, format: "mask" });
 export const csv: Promise<string> = client.sampleMap(new URL("http://localhost/map.zip"), { sites: "people", per: 10, format: "csv" });
+export const districts: Promise<string> = client.sampleMap(picture, { preset: "districts", format: "svg" });
 export const mesh: Promise<Blob> = client.sampleMesh(picture, { sites: 9, mesh: true, density: [1, 2], format: "glb" });
 export const inside: Promise<Blob> = client.sampleMesh(picture, { sites: 9, domain: "solid", mesh: true, format: "vtu" });
 export const voxels: Promise<string> = client.sampleVoxels(picture, { sites: 9, domain: { ...torus, depth: 2 }, format: "csv" });
@@ -42,6 +44,8 @@ document.querySelector("ccdt-halftone")?.abort();
 
 // @ts-expect-error: a number
 client.halftone(picture, { sites: "many" });
+// @ts-expect-error: a name
+client.halftone(picture, { preset: 9 });
 // @ts-expect-error: no such option
 client.halftone(picture, { site: 9 });
 // @ts-expect-error: no such format
@@ -58,6 +62,8 @@ client.halftone(9);
 client.sample({ sites: 9 });
 // @ts-expect-error: a number or a property
 client.sample({ sites: true, domain: torus });
+// @ts-expect-error: a name
+client.halftone(picture, { preset: 9 });
 // @ts-expect-error: no such option
 client.sample({ sites: 9, domain: torus, color: "cmyk" });
 // @ts-expect-error: no points
