@@ -44,6 +44,12 @@ test("leaves out settings that have their defaults", async () => {
   assert.equal(await hash(), "#halftone");
 });
 
+test("does not scroll the head out of view if the address names a panel", async () => {
+  await open("#halftone");
+  assert.ok(await world.page.evaluate(() => document.documentElement.scrollHeight > innerHeight));
+  assert.equal(await world.page.evaluate(() => scrollY), 0);
+});
+
 test("shares the settings of every kind of field of a halftone", async () => {
   await open();
   const { page } = world;
