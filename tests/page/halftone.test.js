@@ -392,6 +392,49 @@ test("divides the picture from its dots, and zooms to single dots", async () => 
   await world.page.click("#halftone [aria-label=Fit]");
 });
 
+/** Returns the pixels of the canvas in its left and its right half, as texts. */
+const halves = () => world.page.evaluate(() => {
+  const canvas = document.querySelector("#halftone canvas");
+  const half = Math.floor(canvas.width / 2) - 20;  // without the divider
+  return [0, canvas.width - half].map((x) => String(canvas.getContext("2d").getImageData(x, 0, half, canvas.height).data));
+});
+
+test("compares two settings, and names their differences", async () => {
+  await open(few);
+  const { page } = world;
+  const place = page.locator("#halftone .comparison");
+  const rows = async () => (await place.locator("tbody tr").all()).length && place.locator("tbody tr").evaluateAll((all) =>
+    all.map(({ cells }) => [...cells].map(({ textContent }) => textContent)));
+  await place.getByRole("button", { name: "Keep as A" }).click();
+  await settled(page, "halftone");
+  assert.equal(await page.inputValue(".divider"), "50");
+  const before = await halves();
+  await number("sites").fill("900");
+  await number("sites").blur();
+  await page.selectOption("#halftone [data-name=color] select", "palette");
+  await settled(page, "halftone");
+  assert.deepEqual(await rows(), [["Dots", "500", "900"], ["Inks", "one", "a palette"]]);
+  const after = await halves();
+  assert.equal(after[0], before[0]);
+  assert.notEqual(after[1], before[1]);
+  assert.match(await page.getAttribute(".divider", "aria-valuetext"), /^50 % A$/);
+  await page.focus("#halftone canvas");
+  for (let i = 0; i < 12; ++i) await page.keyboard.press("+");
+  await page.locator(".divider").fill("100");
+  await showsDots();
+  await place.getByRole("button", { name: "Back to A" }).click();
+  await settled(page, "halftone");
+  assert.equal(await number("sites").inputValue(), "500");
+  assert.equal(await rows(), 0);
+  await page.getByRole("button", { name: "Risograph" }).click();
+  await settled(page, "halftone");
+  assert.deepEqual((await rows())[2], ["Palette", "\u2013", "Blue, Fluorescent pink, Yellow"]);
+  await page.click("#halftone [data-sample='cat.jpg']");
+  await settled(page, "halftone");
+  assert.ok(await place.getByRole("button", { name: "Keep as A" }).isVisible());
+  assert.equal(await page.inputValue(".divider"), "10");
+});
+
 test("keeps the divider within the picture on a phone across", async () => {
   const { page, viewport } = world;
   await page.setViewportSize({ width: 844, height: 390 });

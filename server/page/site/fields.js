@@ -76,7 +76,8 @@ function numberField(field, id, change) {
     if (auto && (isNumber || text === "auto")) auto.checked = !isNumber;
     settle();
   };
-  return { input: number, parts: [entry, slider], value, text: () => String(value() ?? "auto"), put, limit, tell };
+  const say = (text) => (text === "auto" ? field.free ?? "auto" : text);
+  return { input: number, parts: [entry, slider], value, text: () => String(value() ?? "auto"), put, limit, tell, say };
 }
 
 /** Creates number inputs side by side, each with its own label. The value joins the numbers with commas. */
@@ -138,13 +139,14 @@ function choiceField(field, id, change) {
     option.disabled = option.hidden = !allowed;
     if (!allowed && select.value === name) select.value = field.standard;
   };
-  return { input: select, parts: [select], value, text: value, put, allow };
+  const say = (text) => field.choices.find(([name]) => name === text)?.[1] ?? text;
+  return { input: select, parts: [select], value, text: value, put, allow, say };
 }
 
 function checkField(field, id, change) {
   const box = make("input", { id, type: "checkbox", checked: field.checked ?? false });
   box.addEventListener("change", () => change(false));
-  return { input: box, parts: [box], value: () => box.checked, text: () => String(box.checked), put: (text) => { box.checked = text === "true"; } };
+  return { input: box, parts: [box], value: () => box.checked, text: () => String(box.checked), put: (text) => { box.checked = text === "true"; }, say: (text) => (text === "true" ? "yes" : "no") };
 }
 
 /** Creates checkboxes, of which `field.checked` lists those checked at first. The value lists the checked ones. */
@@ -238,7 +240,8 @@ function paletteField(field, id, change) {
     colours.forEach((colour, i) => { if (i < wells.length) wells[i].value = colour; else add(colour); });
     settle();
   };
-  return { input: wells[0], parts: [place, names], value, text: value, put };
+  const say = (text) => text.split(",").map(nameOf).join(", ");
+  return { input: wells[0], parts: [place, names], value, text: value, put, say };
 }
 
 /** Creates an input for a line of text. Requests omit an empty one. */
@@ -359,6 +362,11 @@ export class Fields {
   state() {
     const changed = this.#offered.filter((entry) => entry.text() !== entry.first);
     return Object.fromEntries(changed.map((entry) => [entry.field.name, entry.text()]));
+  }
+
+  /** Returns the values of all fields in words: [{label, text, first}]. `first` is the initial value. Skips hidden fields. */
+  inWords() {
+    return this.#offered.map(({ field, first, text, say = String }) => ({ label: field.label, text: say(text()), first: say(first) }));
   }
 
   /** Sets each field to its text in a state, or to its initial value if the state has none. */

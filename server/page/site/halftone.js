@@ -2,13 +2,14 @@
 // Panel that turns a picture into dots.
 
 import { capabilities } from "./api.js";
+import { Comparison } from "./comparison.js";
 import { count, seconds } from "./dom.js";
+import { DotsLayer, drawingOf, imageOf } from "./dots_layer.js";
 import { Fields } from "./fields.js";
 import { FocusPad } from "./focus.js";
 import { fields, moreFields, presets } from "./halftone_options.js";
 import { inksOf } from "./ink.js";
 import { postPatiently } from "./jobs.js";
-import { lightOfColour, scaledAsLight } from "./light.js";
 import { canvasOf, PicturePanel, warningsOf } from "./picture_panel.js";
 import { Plotter } from "./plotter.js";
 import { isLarge, reduced } from "./reduced.js";
@@ -17,28 +18,9 @@ import { Viewport } from "./viewport.js";
 
 const draftOptions = { quality: "draft", iterations: 1, passes: 2 };
 const draftScale = 2;  // largest scale of a draft of a reduced picture
+const dividedAt = 10;  // per cent; first position of the divider
 const thumbWidth = 32;  // CSS pixels; width of the handle of the divider
 const toneTolerance = 0.05;
-const restDelay = 150;  // ms without movement after which enlarged dots are drawn as dots
-const finePixels = 2;  // columns and rows of a drawing per pixel of the screen, whose light is averaged
-
-async function imageOf(svg) {
-  const image = new Image();
-  image.src = URL.createObjectURL(new Blob([svg], { type: "image/svg+xml" }));
-  await image.decode();
-  URL.revokeObjectURL(image.src);
-  return image;
-}
-
-/** Draws an image at a place on a canvas that is filled with `paper`. */
-function drawingOf(image, { x = 0, y = 0, width, height }, size, paper = "#ffffff") {
-  const canvas = new OffscreenCanvas(size.width, size.height);
-  const context = canvas.getContext("2d", { willReadFrequently: true });
-  context.fillStyle = paper;
-  context.fillRect(0, 0, size.width, size.height);
-  context.drawImage(image, x, y, width, height);
-  return canvas;
-}
 
 /** Returns the part of a picture that dots show, around the option `gravity`. */
 async function shownPart(original, dots, gravity = "0.5,0.5") {
@@ -107,10 +89,9 @@ export class Halftone extends PicturePanel {
   // Includes `scale` (output pixels per pixel of the picture), `status` and `warnings` after a request that is no
   // draft. `drawing()` then requests the dots as SVG.
   shown = { original: null, dots: null };
-  #scaled = {};  // scaled dots that were drawn last
-  #fine = {};  // enlarged drawing that was drawn last
-  #rest = null;  // timer that draws it again
-  #stop = new AbortController();  // cancels its request
+  #layer = new DotsLayer(() => this.viewport.redraw());
+  #keptLayer = new DotsLayer(() => this.viewport.redraw());
+  #stop = new AbortController();  // cancels the request for a drawing
   #planned = null;  // estimate of the dots in each ink
 
   constructor(element) {
@@ -129,6 +110,11 @@ export class Halftone extends PicturePanel {
       turned: (isOn) => this.#penTurned(isOn),
       noted: () => this.note(),
     });
+    this.comparison = new Comparison(this.find(".comparison"), {
+      keep: () => ({ picture: this.picture, shown: this.shown, settings: this.settings, words: this.#settingsInWords }),
+      restore: ({ settings }) => this.applySettings(settings),
+      turned: (isTurned) => this.#comparisonTurned(isTurned),
+    });
     this.addDownload((format, signal) => this.ask(format, signal));
     this.addCopy((signal) => this.ask("png", signal));
     this.offerFields();
@@ -138,7 +124,29 @@ export class Halftone extends PicturePanel {
   }
 
   #tellDivider() {
-    this.divider.setAttribute("aria-valuetext", `${Math.round(this.divider.value)} % picture`);
+    const side = this.comparison.kept ? "A" : "picture";
+    this.divider.setAttribute("aria-valuetext", `${Math.round(this.divider.value)} % ${side}`);
+  }
+
+  get #settingsInWords() {
+    return this.parts.flatMap((part, i) => part.inWords().map((one) => ({ ...one, key: `${i} ${one.label}` })));
+  }
+
+  #comparisonTurned(isTurned) {
+    const isOn = this.comparison.kept !== null;
+    this.find(".canvas-frame").classList.toggle("compared", isOn);
+    this.divider.ariaLabel = isOn ? "Divider between A and B" : "Divider between picture and dots";
+    if (isTurned) this.divider.value = isOn ? 50 : dividedAt;
+    this.#tellDivider();
+    this.#compare();
+    this.viewport.redraw();
+  }
+
+  /** Lists in what the settings differ from those that were kept. Another picture ends the comparison. */
+  #compare() {
+    const { kept } = this.comparison;
+    if (kept && kept.picture !== this.picture) return this.comparison.end();
+    this.comparison.tell(this.#settingsInWords);
   }
 
   state() {
@@ -239,6 +247,7 @@ export class Halftone extends PicturePanel {
   refresh(draft) {
     super.refresh(draft);
     if (this.picture) this.plotter.wait();
+    this.#compare();
   }
 
   showRequest() {
@@ -248,6 +257,7 @@ export class Halftone extends PicturePanel {
 
   task(draft) {
     const options = this.#options();
+    const settings = JSON.stringify(this.settings);
     return async (signal) => {
       const start = performance.now();
       const response = await (draft ? this.#postDraft(options, signal) : this.#post(shownOptions(options), signal, this.showJob));
@@ -264,6 +274,8 @@ export class Halftone extends PicturePanel {
         warnings: allWarningsOf(response, this.plotter.minutes !== undefined),
       });
       await this.#plot(options, signal);
+      const { kept } = this.comparison;
+      if (kept && JSON.stringify(kept.settings) === settings) kept.shown = this.shown;  // it may have been a draft
       this.status.textContent = this.shown.status;  // the job of the plot may have cleared it
     };
   }
@@ -314,61 +326,48 @@ export class Halftone extends PicturePanel {
 
   #draw(context, view) {
     const { original, dots } = this.shown;
-    this.divider.hidden = !original || !dots;
-    if (!original && !dots) return;
+    const kept = dots && this.comparison.kept?.shown;
+    const left = kept?.dots ? kept : original;
+    this.divider.hidden = !left || !dots;
+    if (!original && !dots) return this.#layer.rest();
     const { width, height } = original ?? dots;
     const inPixels = (length) => Math.round(length * devicePixelRatio);
     const place = { x: inPixels(view.x), y: inPixels(view.y), width: inPixels(width * view.scale), height: inPixels(height * view.scale) };
-    if (dots) this.#drawDots(context, place);
-    if (original) this.#drawOriginal(context, view, place);
+    if (dots) this.#layer.draw(this.shown, context, place);
+    else this.#layer.rest();
+    const end = dots ? inPixels(this.#placeDivider(view, place)) : context.canvas.width;
+    if (!left || end === 0) return;
+    context.resetTransform();
+    context.clearRect(0, 0, end, context.canvas.height);
+    if (left === kept) this.#keptLayer.draw(kept, context, this.#keptPlace(kept, view, place), end);
+    else this.#drawOriginal(context, place, end);
   }
 
-  /** Draws the dots. Their scaled pixels are kept, because they stay the same while the divider moves. */
-  #drawDots(context, place) {
-    const { dots } = this.shown;
-    const { width, height } = context.canvas;
-    const ground = getComputedStyle(context.canvas.parentElement).backgroundColor;
-    const key = JSON.stringify([place, width, height, ground]);
-    if (this.#scaled.dots !== dots || this.#scaled.key !== key)
-      this.#scaled = { dots, key, pixels: scaledAsLight(dots, place, { width, height }, lightOfColour(ground)) };
-    const { pixels } = this.#scaled;
-    if (pixels) context.putImageData(pixels.image, pixels.x, pixels.y);
-    const fine = this.#fine;
-    if (fine.dots === dots && fine.place.width === place.width) context.putImageData(fine.image, place.x - fine.place.x, place.y - fine.place.y);
-    clearTimeout(this.#rest);
-    if (fine.dots === dots && fine.key === key) return;
-    if (this.shown.drawing && place.width > dots.width) this.#rest = setTimeout(() => this.#drawFine(place, { width, height }, ground, key), restDelay);
-  }
-
-  /** Draws enlarged dots as dots instead of pixels, once the view is at rest. Without an answer, the pixels stay. */
-  async #drawFine(place, size, ground, key) {
-    const { shown } = this;
-    if (!shown.drawing) return;
-    shown.image ??= Promise.resolve(shown.drawing()).then(imageOf);
-    const image = await shown.image.catch(() => null);
-    if (!image || this.shown !== shown || this.#scaled.key !== key) return;
-    const enlarged = (lengths) => Object.fromEntries(Object.entries(lengths).map(([name, length]) => [name, finePixels * length]));
-    const drawing = drawingOf(image, enlarged(place), enlarged(size), ground);
-    const scaled = scaledAsLight(drawing, { x: 0, y: 0, ...size }, size, lightOfColour(ground));
-    this.#fine = { dots: shown.dots, place, key, image: scaled.image };
-    this.viewport.redraw();
-  }
-
-  /** Draws the picture left of the divider, or all of it if there are no dots. The divider stays within the picture. */
-  #drawOriginal(context, view, { x, y, width, height }) {
-    const { original, dots } = this.shown;
+  /** Keeps the divider within the picture. Returns the position of its line in CSS pixels; 0 at its left end. */
+  #placeDivider(view, { x, width }) {
     const share = Number(this.divider.value) / 100;
     const [left, right] = [x, x + width].map((side) => Math.min(Math.max(side / devicePixelRatio, 0), view.size.width));
     const room = Math.max(right - left, thumbWidth);
     Object.assign(this.divider.style, { left: `${left}px`, width: `${room}px` });
-    const end = dots ? left + thumbWidth / 2 + share * (room - thumbWidth) : view.size.width;
+    return share === 0 ? 0 : left + thumbWidth / 2 + share * (room - thumbWidth);
+  }
+
+  /** Returns the place of dots that were kept. If they show another part of the picture, it has the same middle. */
+  #keptPlace({ original, dots }, view, place) {
+    const whole = this.shown.original ?? this.shown.dots;
+    const own = original ?? { width: whole.width, height: (whole.width * dots.height) / dots.width };
+    const [width, height] = [own.width, own.height].map((side) => Math.round(side * view.scale * devicePixelRatio));
+    return { x: place.x + Math.round((place.width - width) / 2), y: place.y + Math.round((place.height - height) / 2), width, height };
+  }
+
+  /** Draws the picture left of `end`. */
+  #drawOriginal(context, { x, y, width, height }, end) {
     context.save();
     context.beginPath();
-    context.rect(0, 0, dots && share === 0 ? 0 : end, view.size.height);
+    context.rect(0, 0, end, context.canvas.height);
     context.clip();
-    context.setTransform(1, 0, 0, 1, 0, 0);
     context.imageSmoothingQuality = "high";
-    context.drawImage(original, x, y, width, height);
+    context.drawImage(this.shown.original, x, y, width, height);
     context.restore();
   }
 

@@ -82,13 +82,13 @@ export class PicturePanel extends Panel {
   state() {
     const { path, name } = this.picture ?? { path: "", name: this.firstSample };
     const picture = path === undefined ? ownPicture : name;
-    return { ...(picture !== this.firstSample && { picture }), ...this.#settings() };
+    return { ...(picture !== this.firstSample && { picture }), ...this.settings };
   }
 
   /** Shows the picture until there is a result, if the panel can. */
   showPicture() {}
 
-  #settings() {
+  get settings() {
     return Object.assign({}, ...this.parts.map((part) => part.state()));
   }
 
@@ -97,14 +97,17 @@ export class PicturePanel extends Panel {
     this.offerFields();
   }
 
+  /** Sets all fields, as a step in the history, and shows the result. */
+  applySettings(settings) {
+    this.#restoreSettings(settings);
+    this.note(true);
+    this.refresh();
+  }
+
   #offerPresets(presets) {
     this.presets = presets.map(({ title, settings }) => {
       const button = make("button", { type: "button", textContent: title });
-      button.addEventListener("click", () => {
-        this.#restoreSettings(settings);
-        this.note(true);
-        this.refresh();
-      });
+      button.addEventListener("click", () => this.applySettings(settings));
       return { button, settings };
     });
     this.find(".presets").append(...this.presets.map(({ button }) => button));
@@ -112,7 +115,7 @@ export class PicturePanel extends Panel {
 
   #tellPreset() {
     const text = (settings) => JSON.stringify(Object.entries(settings).sort());
-    const now = text(this.#settings());
+    const now = text(this.settings);
     for (const { button, settings } of this.presets) button.setAttribute("aria-pressed", String(text(settings) === now));
   }
 

@@ -109,6 +109,12 @@ export class Plotter {
     return this.isOn ? { plotter: "on", ...this.fields.state() } : {};
   }
 
+  /** Returns the settings in words, like `Fields`. */
+  inWords() {
+    const turned = { label: "Draw with a pen", text: this.isOn ? "yes" : "no", first: "no" };
+    return [turned, ...(this.isOn ? this.fields.inWords() : [])];
+  }
+
   restore(state) {
     this.box.checked = state.plotter === "on";
     this.fields.restore(state);
