@@ -2,12 +2,12 @@
 // Saves files with the browser, and reads them with the usual programs for each format.
 
 import assert from "node:assert/strict";
-import { mkdtemp, rm } from "node:fs/promises";
+import { mkdtemp, readFile, rm } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import path from "node:path";
 import { test } from "node:test";
 
-import { download, run, settled, useBrowser } from "./harness.js";
+import { data, download, run, settled, useBrowser } from "./harness.js";
 
 const world = useBrowser();
 
@@ -124,6 +124,40 @@ test("saves a halftone in each format", async () => {
   assert.ok(json.rings.length > 1000);
   assert.equal(svg.circles, 0);
   isSame(png, svg.drawn);
+});
+
+test("saves the results for all pictures that were chosen together", async () => {
+  const { page } = world;
+  const image = (name) => path.join(data, "images", name);
+  await page.goto(`${world.url}/#halftone?sites=500`);
+  await settled(page, "halftone");
+  const broken = { name: "broken.png", mimeType: "image/png", buffer: Buffer.from("nothing") };
+  const [cat, camera] = await Promise.all(["chelsea.png", "camera.png"].map(async (name) => ({ name: "a.png", mimeType: "image/png", buffer: await readFile(image(name)) })));
+  await page.setInputFiles("#halftone .file", [cat, broken, camera]);
+  await settled(page, "halftone");
+  await page.waitForFunction(() => document.querySelectorAll("#halftone .thumb :is(canvas, span)").length === 3);
+  await page.getByRole("button", { name: "a.png" }).last().click();
+  await settled(page, "halftone");
+  assert.match(await page.textContent("#halftone .status"), /, 1000 \u00d7 1000 pixels/);  // the cat is wider
+  for (const [panel, extension] of [["halftone", "csv"], ["devices", "png"]]) {
+    await page.click(`#tab-${panel}`);
+    await settled(page, panel);
+    if (panel === "halftone") await page.selectOption("#halftone .download select", { label: "CSV" });
+    const [saved] = await Promise.all([page.waitForEvent("download"), page.click(`#${panel} .all button`)]);
+    await settled(page, panel);
+    assert.equal(await page.textContent(`#${panel} .status`), "2 of 3 pictures saved");
+    assert.match(await page.textContent(`#${panel} .warnings`), /^broken\.png: /);
+    const listed = JSON.parse(await run("/usr/bin/python3", ["-c", `
+import json, sys, zipfile
+archive = zipfile.ZipFile(sys.argv[1])
+assert archive.testzip() is None
+print(json.dumps({name: archive.read(name).hex() for name in archive.namelist()}))`, await saved.path()]));
+    assert.deepEqual(Object.keys(listed), [`a.${extension}`, `a-2.${extension}`]);
+    assert.notEqual(...Object.values(listed));
+    if (panel === "devices") continue;
+    const alone = await readFile(await (await download(page, panel, "CSV")).path());
+    assert.equal(listed["a-2.csv"], alone.toString("hex"));
+  }
 });
 
 test("saves points in each format", async () => {

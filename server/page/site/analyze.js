@@ -115,7 +115,7 @@ export class Analyze extends Panel {
    */
   async #pointsMade(signal) {
     if (this.source.value === "halftone") {
-      const { points, inks, width, height } = await (await this.halftone.ask("json", signal, this.showJob)).json();
+      const { points, inks, width, height } = await (await this.halftone.ask("json", signal, { onProgress: this.showJob })).json();
       return { points: points ?? inks.flatMap((each) => each.points), domain: { type: "rectangle", width, height }, note: notes.halftone };
     }
     const { shape } = this.sample;

@@ -6,7 +6,7 @@ import { make, seconds } from "./dom.js";
 import { fields, formats, moreFields, presets, types, viewFields } from "./device_options.js";
 import { Fields } from "./fields.js";
 import { FocusPad } from "./focus.js";
-import { canvasOf, PicturePanel, warningsOf } from "./picture_panel.js";
+import { batchRetries, canvasOf, PicturePanel, warningsOf } from "./picture_panel.js";
 import { Snippets } from "./snippets.js";
 
 /** Formats that store the width in millimetres. */
@@ -116,8 +116,12 @@ export class Devices extends PicturePanel {
     return { ...this.fields.values(), ...this.moreFields.values() };
   }
 
-  #post(options, signal) {
-    return post(`/halftone?${new URLSearchParams(options)}`, this.picture.blob, { signal, type: "application/octet-stream" });
+  #post(options, signal, { blob } = this.picture, retries) {
+    return post(`/halftone?${new URLSearchParams(options)}`, blob, { signal, retries, type: "application/octet-stream" });
+  }
+
+  async resultFor(picture, signal) {
+    return { response: await this.#post(this.#options, signal, picture, batchRetries), extension: this.#fileName.split(".").pop() };
   }
 
   showRequest() {

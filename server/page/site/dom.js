@@ -19,7 +19,7 @@ export function save(blob, name) {
 }
 
 /**
- * Passes the first file of each drop, anywhere on the page, to `take`. Calls `mark` with true while a file is over the
+ * Passes the files of each drop, anywhere on the page, to `take`. Calls `mark` with true while a file is over the
  * page, and then with false.
  */
 export function acceptDrops(take, mark) {
@@ -30,9 +30,9 @@ export function acceptDrops(take, mark) {
   });
   on("dragover", () => mark(true));
   on("dragleave", ({ relatedTarget }) => mark(relatedTarget !== null));
-  on("drop", ({ dataTransfer: { files: [file] } }) => {
+  on("drop", ({ dataTransfer: { files } }) => {
     mark(false);
-    if (file) take(file);
+    if (files.length > 0) take([...files]);
   });
 }
 

@@ -10,7 +10,7 @@ import { FocusPad } from "./focus.js";
 import { fields, moreFields, presets } from "./halftone_options.js";
 import { inksOf } from "./ink.js";
 import { postPatiently } from "./jobs.js";
-import { canvasOf, PicturePanel, warningsOf } from "./picture_panel.js";
+import { batchRetries, canvasOf, PicturePanel, warningsOf } from "./picture_panel.js";
 import { Plotter } from "./plotter.js";
 import { isLarge, reduced } from "./reduced.js";
 import { Snippets } from "./snippets.js";
@@ -213,12 +213,18 @@ export class Halftone extends PicturePanel {
     return options;
   }
 
-  async ask(format, signal, onProgress = this.showJob) {
+  async ask(format, signal, { onProgress = this.showJob, picture = this.picture, retries } = {}) {
     await this.takeFirst();
     const options = this.#options(format);
     const { drawn } = capabilities.halftone.formats.find(({ name }) => name === format);
     if (!drawn && isOfBothSides(options)) options.dots = "both";  // which is the default of drawings
-    return this.#post({ ...options, ...this.#sizeOf(options, format, drawn), format }, signal, onProgress);
+    return this.#post({ ...options, ...this.#sizeOf(options, format, drawn), format }, signal, { onProgress, blob: (picture ?? this.picture).blob, retries });
+  }
+
+  async resultFor(picture, signal) {
+    const { value, selectedOptions: [{ dataset }] } = this.format;
+    const response = await this.ask(value, signal, { onProgress: () => {}, picture, retries: batchRetries });
+    return { response, extension: dataset.file.split(".").pop() };
   }
 
   /**
@@ -230,18 +236,18 @@ export class Halftone extends PicturePanel {
     return format === "tiff" && !isForPrint(options) && !isSized ? this.#shownWidth : {};
   }
 
-  #post(options, signal, onProgress, blob = this.picture.blob) {
+  #post(options, signal, { onProgress = this.showJob, blob = this.picture.blob, retries } = {}) {
     const given = Object.entries(options).filter(([, value]) => value !== undefined);
     return postPatiently(`/halftone?${new URLSearchParams(given)}`, blob, options,
-      { signal, onProgress, type: "application/octet-stream" });
+      { signal, onProgress, retries, type: "application/octet-stream" });
   }
 
   async #postDraft(options, signal) {
     const picture = this.picture;
-    if (!isLarge(picture.original)) return this.#post(draftOf(options, 1), signal, this.showJob);
+    if (!isLarge(picture.original)) return this.#post(draftOf(options, 1), signal);
     picture.reduced ??= reduced(picture.original);
     const { blob, factor } = await picture.reduced;
-    return this.#post(draftOf(options, factor), signal, this.showJob, blob);
+    return this.#post(draftOf(options, factor), signal, { blob });
   }
 
   refresh(draft) {
@@ -260,7 +266,7 @@ export class Halftone extends PicturePanel {
     const settings = JSON.stringify(this.settings);
     return async (signal) => {
       const start = performance.now();
-      const response = await (draft ? this.#postDraft(options, signal) : this.#post(shownOptions(options), signal, this.showJob));
+      const response = await (draft ? this.#postDraft(options, signal) : this.#post(shownOptions(options), signal));
       const dots = await canvasOf(response);
       if (signal.aborted) return;
       const original = await shownPart(this.picture.original, dots, options.gravity);
@@ -269,7 +275,7 @@ export class Halftone extends PicturePanel {
       if (draft) return this.showResult({ ...this.shown, original, dots, drawing: undefined });
       this.showResult({
         original, dots, scale: original && dots.width / original.width,
-        drawing: this.plotter.isOn ? undefined : async () => (await this.#post({ ...shownOptions(options), format: "svg" }, this.#stop.signal, () => {})).text(),
+        drawing: this.plotter.isOn ? undefined : async () => (await this.#post({ ...shownOptions(options), format: "svg" }, this.#stop.signal, { onProgress: () => {} })).text(),
         status: `${describe(options, response)}, ${dots.width} \u00d7 ${dots.height} pixels, ${seconds(start)}`,
         warnings: allWarningsOf(response, this.plotter.minutes !== undefined),
       });
@@ -291,7 +297,7 @@ export class Halftone extends PicturePanel {
 
   async #plot(options, signal) {
     if (!this.plotter.isOn) return;
-    const response = await this.#post({ ...options, format: "svg" }, signal, this.showJob);
+    const response = await this.#post({ ...options, format: "svg" }, signal);
     const svg = await response.text();
     this.plotter.showDrawing(svg);
     const drawing = () => svg;

@@ -24,10 +24,10 @@ addEventListener("pagehide", () => client.cancelJobs());
  * @param options     options of the request, for the estimate of its duration
  * @param onProgress  called with each reported state of the job, and finally with null
  */
-export async function postPatiently(path, body, options, { type, signal, onProgress }) {
+export async function postPatiently(path, body, options, { type, signal, retries, onProgress }) {
   if (isLong(options)) {
     try {
-      return await post(path, body, { type, signal, onProgress });
+      return await post(path, body, { type, signal, retries, onProgress });
     } catch (error) {
       signal.throwIfAborted();
       if (!refusals.includes(error.status)) throw error;
@@ -35,5 +35,5 @@ export async function postPatiently(path, body, options, { type, signal, onProgr
       if (!signal.aborted) onProgress(null);
     }
   }
-  return post(path, body, { type, signal });
+  return post(path, body, { type, signal, retries });
 }

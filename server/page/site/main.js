@@ -58,9 +58,9 @@ for (const tab of tabs) {
   element.addEventListener("settings", ({ detail }) => {
     if (!element.hidden) writeAddress(nameOf(tab), panels[nameOf(tab)].state(), detail.isStep);
   });
-  element.addEventListener("elsewhere", async ({ detail: { file, panel: name } }) => {
+  element.addEventListener("elsewhere", async ({ detail: { files, panel: name } }) => {
     select(tabs.find((one) => nameOf(one) === name));
-    (await panelNamed(name)).take(file);
+    (await panelNamed(name)).take(files);
   });
 }
 document.querySelector("[role=tablist]").addEventListener("keydown", ({ key }) => {
@@ -72,7 +72,7 @@ document.querySelector("[role=tablist]").addEventListener("keydown", ({ key }) =
 });
 addEventListener("popstate", showAddress);
 const visible = () => Object.values(panels).find(({ element }) => !element.hidden);
-acceptDrops((file) => visible()?.take(file), (isOver) => visible()?.find(".drop")?.classList.toggle("over", isOver));
+acceptDrops((files) => visible()?.take(files), (isOver) => visible()?.find(".drop")?.classList.toggle("over", isOver));
 
 const access = document.getElementById("access");
 document.addEventListener("keyneeded", ({ detail }) => {

@@ -39,22 +39,22 @@ export class Panel {
   /** Called when the panel becomes visible. Requests missing results. */
   activate() {}
 
-  /** Shows the result for a file of the user, here or in the panel that the file is for. */
-  take(file) {
-    this.#open(file, isPicture(file) ? "halftone" : "sample");
+  /** Shows the result for files of the user, here or in the panel that the first one is for. */
+  take(files) {
+    this.#open(files, isPicture(files[0]) ? "halftone" : "sample");
   }
 
-  #open(file, panel) {
-    this.element.dispatchEvent(new CustomEvent("elsewhere", { detail: { file, panel } }));
+  #open(files, panel) {
+    this.element.dispatchEvent(new CustomEvent("elsewhere", { detail: { files, panel } }));
   }
 
-  /** Offers to open a file that is for another panel there. Keeps the last result. */
-  offerElsewhere(file, kind, panel) {
-    this.showProblem({ message: `${file.name} is a ${kind}. ` });
+  /** Offers to open files that are for another panel there. Keeps the last result. */
+  offerElsewhere(files, kind, panel) {
+    this.showProblem({ message: `${files[0].name} is a ${kind}. ` });
     const button = make("button", { type: "button", textContent: `Open it in ${panel.title}` });
     button.addEventListener("click", () => {
       this.show(null);
-      this.#open(file, panel.name);
+      this.#open(files, panel.name);
     });
     this.error.append(button);
   }

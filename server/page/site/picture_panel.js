@@ -2,13 +2,15 @@
 // Base class of the panels that turn a picture into something else: the choice of the picture, settings and presets.
 
 import { ask } from "./api.js";
-import { inMemory, make } from "./dom.js";
+import { make, save } from "./dom.js";
 import { isShape } from "./file_kind.js";
-import { keep, kept } from "./kept.js";
+import { lastOfVisit, lastOwn, OwnThumbs, ownPicturesOf, rememberOwn } from "./own_pictures.js";
 import { Panel } from "./panel.js";
 
-const thumbSide = 128;  // pixels; side of a thumbnail
 const ownPicture = "own";  // name in the address for a picture of the user, which the address cannot hold
+
+/** Repetitions of a request for one of several pictures while the server is busy. */
+export const batchRetries = 5;
 
 const samplePath = (name) => `/assets/samples/${name}`;
 
@@ -17,24 +19,9 @@ const samplePath = (name) => `/assets/samples/${name}`;
  * chosen, its `original` is the decoded bitmap, or null if the browser cannot decode it.
  */
 const sample = async (name) => ({ name, path: samplePath(name), blob: await (await ask("GET", samplePath(name))).blob() });
-const ownOf = async (file) => ({ name: file.name, blob: await inMemory(file) });
 
-/** Last picture of the user. All panels offer it. */
-let own = null;
-
-/** Returns the last picture of the user, also if it was chosen before the page was loaded, or else a sample. */
-const lastOwn = async (instead) => own ?? await kept("picture") ?? { ...await sample(instead), isInstead: true };
-
-/** Returns the middle square of a picture, or its name if the browser cannot decode it. */
-function thumbnailOf({ name, original }) {
-  if (!original) return make("span", { textContent: name });
-  const canvas = make("canvas", { width: thumbSide, height: thumbSide });
-  const side = Math.min(original.width, original.height);
-  const context = canvas.getContext("2d");
-  context.imageSmoothingQuality = "high";
-  context.drawImage(original, (original.width - side) / 2, (original.height - side) / 2, side, side, 0, 0, thumbSide, thumbSide);
-  return canvas;
-}
+/** Returns the last picture of the user, or else a sample. */
+const lastOwnOr = async (instead) => await lastOwn() ?? { ...await sample(instead), isInstead: true };
 
 /** Returns the warnings of an answer. */
 export const warningsOf = (response) => JSON.parse(response.headers.get("X-Warnings") ?? "[]").map(({ detail }) => detail);
@@ -53,12 +40,12 @@ export async function canvasOf(response) {
  * - `offerFields()`: shows the fields that have a meaning with the current settings
  * - `showRequest()`: shows the request as code
  * - `task(draft)`: returns a task that sends the request and shows its result
+ * - `resultFor(picture, signal)`: returns {response, extension}, the file for another picture with the same settings
  * - `shown` and `showResult(shown)`: what is shown; it has a `status` once there is a result
  */
 export class PicturePanel extends Panel {
   picture = null;
   #before = null;  // {picture, shown} from before the choice of a picture that the server has not read yet
-  #offered = null;  // picture of the user that the thumbnail shows
   #isStale = true;
 
   /** @param firstSample  name of the picture that the panel begins with */
@@ -123,7 +110,7 @@ export class PicturePanel extends Panel {
     this.#isStale = true;
     this.element.dataset.state = "busy";
     this.#restoreSettings(state);
-    if (state.picture === ownPicture) return this.#takeNewest(lastOwn(this.firstSample));
+    if (state.picture === ownPicture) return this.#takeNewest(lastOwnOr(this.firstSample));
     const isOffered = this.thumbs.some(({ dataset }) => dataset.sample === state.picture);
     const name = isOffered ? state.picture : this.firstSample;
     if (this.picture?.path === samplePath(name)) return this.abandonLoads();
@@ -136,29 +123,48 @@ export class PicturePanel extends Panel {
   }
 
   async #lookAnew() {
-    if (!this.picture) await this.#takeNewest(own ?? sample(this.firstSample));
+    if (!this.picture) await this.#takeNewest(lastOfVisit() ?? sample(this.firstSample));
     this.refresh();
   }
 
   #listenForPictures() {
     this.thumbs = [...this.element.querySelectorAll(".thumb")];
     for (const thumb of this.thumbs) thumb.addEventListener("click", () => this.#choose(sample(thumb.dataset.sample)));
-    this.ownThumb = make("button", { type: "button", className: "thumb", hidden: true });
-    this.ownThumb.addEventListener("click", () => this.#choose(own));
-    this.find(".pictures").prepend(this.ownThumb);
+    this.ownThumbs = new OwnThumbs(this.find(".pictures"), (picture) => this.#choose(picture));
+    this.find(".all button").addEventListener("click", () => this.#saveAll());
     this.find(".file").addEventListener("change", ({ target }) => {
-      if (target.files.length > 0) this.take(target.files[0]);
+      if (target.files.length > 0) this.take([...target.files]);
       target.value = "";
     });
     document.addEventListener("paste", (event) => {
-      const [file] = event.clipboardData.files;
-      if (file && !this.element.hidden) this.take(file);
+      const files = [...event.clipboardData.files];
+      if (files.length > 0 && !this.element.hidden) this.take(files);
     });
   }
 
-  take(file) {
-    if (isShape(file)) return this.offerElsewhere(file, "shape", { name: "sample", title: "Sample" });
-    this.#choose(ownOf(file));
+  take(files) {
+    const pictures = files.filter((file) => !isShape(file));
+    if (pictures.length === 0) return this.offerElsewhere(files, "shape", { name: "sample", title: "Sample" });
+    this.#choose(ownPicturesOf(pictures).then(([first]) => {
+      this.#offerOwn();
+      return first;
+    }));
+  }
+
+  /** Saves the results for all pictures that the user has chosen together, with the same settings. */
+  #saveAll() {
+    const { pictures } = this.ownThumbs;
+    this.start(async (signal) => {
+      const { resultsFor, zipOf } = await import("./batch.js");
+      const { files, problems } = await resultsFor(pictures, (picture) => this.resultFor(picture, signal), {
+        signal,
+        progress: (done) => this.showJob({ status: "running", progress: done / pictures.length }),
+      });
+      if (files.length === 0) throw new Error(problems[0]);
+      save(await zipOf(files), "dots.zip");
+      this.status.textContent = `${files.length} of ${pictures.length} pictures saved`;
+      this.showWarnings(problems);
+    });
   }
 
   /** Shows the result for a picture, or for the one that a promise yields. */
@@ -200,25 +206,20 @@ export class PicturePanel extends Panel {
   }
 
   #keepOwn() {
-    const { name, blob, path } = this.picture;
-    if (!path && own !== this.picture) {
-      own = this.picture;
-      keep("picture", { name, blob });
-    }
+    if (!this.picture.path) rememberOwn(this.picture);
     this.#offerOwn();
   }
 
   #offerOwn() {
-    if (this.#offered === own) return;
-    this.#offered = own;
-    this.ownThumb.hidden = false;
-    this.ownThumb.ariaLabel = own.name;
-    this.ownThumb.replaceChildren(thumbnailOf(own));
+    this.ownThumbs.offer();
+    const { length } = this.ownThumbs.pictures;
+    this.find(".all").hidden = length < 2;
+    this.find(".all button").textContent = `Download all ${length}`;
   }
 
   #tellPicture() {
     for (const thumb of this.thumbs) thumb.setAttribute("aria-pressed", String(this.picture?.path === samplePath(thumb.dataset.sample)));
-    this.ownThumb.setAttribute("aria-pressed", String(this.picture === own));
+    this.ownThumbs.tell(this.picture);
   }
 
   refresh(draft = false) {

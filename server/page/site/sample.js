@@ -346,7 +346,7 @@ export class Sample extends Panel {
     this.mesh.addEventListener("change", () => this.refresh());
     this.tiles.addEventListener("change", () => { this.#refit(); this.note(); });
     this.find(".file").addEventListener("change", ({ target }) => {
-      if (target.files.length > 0) this.take(target.files[0]);
+      if (target.files.length > 0) this.take([...target.files]);
       target.value = "";
     });
   }
@@ -355,8 +355,9 @@ export class Sample extends Panel {
     this.find("#shape-error").textContent = text;
   }
 
-  async take(file) {
-    if (isPicture(file)) return this.offerElsewhere(file, "picture", { name: "halftone", title: "Halftone" });
+  async take(files) {
+    const [file] = files;
+    if (isPicture(file)) return this.offerElsewhere(files, "picture", { name: "halftone", title: "Halftone" });
     try {
       const document = await this.loadNewest(inMemory(file).then(documentOf));
       if (document) this.#takeOwn(document);
