@@ -89,6 +89,8 @@ test("compares the pixels with the picture, and enlarges them", async () => {
   await page.getByLabel("Compare", { exact: true }).check();
   const [left, right] = await tones();
   assert.ok(left > 100 && right === 2, `${left} ${right}`);
+  const fitted = await canvas.boundingBox();
+  assert.ok(fitted.width % 120 === 0 && fitted.width > 480, `${fitted.width}`);
   await page.selectOption("#devices .view select", "4");
   const { width, height } = await canvas.boundingBox();
   assert.deepEqual([width, height], [480, 320]);
@@ -117,7 +119,7 @@ for (const ratio of [1, 1.5, 2]) {
   test(`shows a pixel of the device as a pixel of the screen, at ${ratio} pixels per CSS pixel`, async () => {
     const browser = await launchChromium(`--force-device-scale-factor=${ratio}`, "--window-size=1281,861");
     const page = await browser.newPage({ viewport: null });
-    await page.goto(`${world.url}/#devices?device=spectra6&width=501&height=333&seen=false`);
+    await page.goto(`${world.url}/#devices?device=spectra6&width=501&height=333&seen=false&zoom=1`);
     await settled(page, "devices");
     const [width, height, left, top] = await page.locator("#devices .exact canvas").evaluate((canvas) => {
       const place = canvas.getBoundingClientRect();
@@ -152,6 +154,10 @@ test("sets all options of common devices", async () => {
   await settled(world.page, "devices");
   assert.deepEqual(await requestedOptions(), { device: "spectra6", width: "800", height: "480", fit: "cover" });
   assert.equal((await pressed()).length, 1);
+  await preset("LED panel").click();
+  await settled(world.page, "devices");
+  const { device, palette, width, height } = await requestedOptions();
+  assert.deepEqual([device, palette.split(",").length, width, height], ["custom", 8, "64", "32"]);
   await preset("58 mm").click();
   await settled(world.page, "devices");
   assert.deepEqual(await requestedOptions(), { device: "1bit", width: "384", format: "escpos" });
@@ -159,7 +165,7 @@ test("sets all options of common devices", async () => {
   assert.equal(await world.page.evaluate(() => location.hash), "#devices?width=384&height=auto&format=escpos");
   await world.page.goBack();
   await settled(world.page, "devices");
-  assert.match((await pressed())[0], /^Spectra/);
+  assert.match((await pressed())[0], /^LED/);
 });
 
 test("shows the colours as sent to a device or as seen on it", async () => {

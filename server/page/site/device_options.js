@@ -15,9 +15,9 @@ export const fields = [
   { kind: "palette", name: "palette", label: "Palette", item: "colour", least: 2, number: 4,
     colours: ["#000000", "#ffffff", "#ff0000", "#ffff00", "#0000ff", "#00ff00", "#ff8000", "#00ffff", "#ff00ff", "#808080", "#404040", "#c0c0c0", "#800000", "#008000", "#000080", "#808000"],
     help: "Colours of the device, in the order of the values of pixels." },
-  { kind: "number", name: "width", label: "Width, px", value: 800, min: 50, max: 4000, step: 1, log: true, auto: false,
+  { kind: "number", name: "width", label: "Width, px", value: 800, min: 8, max: 4000, step: 1, log: true, auto: false,
     help: "auto: the width that keeps the aspect ratio. If the height is auto, too, the result has the pixels of the picture." },
-  { kind: "number", name: "height", label: "Height, px", value: 480, min: 50, max: 4000, step: 1, log: true, auto: false,
+  { kind: "number", name: "height", label: "Height, px", value: 480, min: 8, max: 4000, step: 1, log: true, auto: false,
     help: "auto: the height that keeps the aspect ratio." },
   { kind: "choice", name: "fit", label: "Fit", standard: "contain", choices: [["cover", "cut to fill"], ["contain", "whole picture"]] },
   gravity,
@@ -44,12 +44,13 @@ export const moreFields = [
 export const viewFields = [
   { kind: "check", name: "seen", label: "As seen", checked: true },
   { kind: "check", name: "compare", label: "Compare", standard: false },
-  { kind: "choice", name: "zoom", label: "Zoom", standard: "1", choices: [1, 2, 4, 8].map((factor) => [String(factor), `${factor} \u00d7`]) },
+  { kind: "choice", name: "zoom", label: "Zoom", standard: "fit", choices: [["fit", "fit"], ...[1, 2, 4, 8].map((factor) => [String(factor), `${factor} \u00d7`])] },
 ];
 
 /** Presets. Each lists the settings that differ from their initial values. */
 export const presets = [
   { title: "TRMNL 800\u00a0\u00d7\u00a0480", settings: {} },
   { title: "Spectra\u00a06 800\u00a0\u00d7\u00a0480", settings: { device: "spectra6" } },
+  { title: "LED panel 64\u00a0\u00d7\u00a032", settings: { device: "custom", palette: "#000000,#ff0000,#ffff00,#00ff00,#00ffff,#0000ff,#ff00ff,#ffffff", width: "64", height: "32", background: "#000000" } },
   { title: "58 mm label printer", settings: { width: "384", height: "auto", format: "escpos" } },
 ];

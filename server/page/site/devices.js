@@ -9,6 +9,8 @@ import { FocusPad } from "./focus.js";
 import { batchRetries, canvasOf, PicturePanel, warningsOf } from "./picture_panel.js";
 import { Snippets } from "./snippets.js";
 
+const margin = 16;  // CSS pixels around the preview
+
 /** Formats that store the width in millimetres. */
 const measuredFormats = ["png", "bmp"];
 
@@ -178,10 +180,12 @@ export class Devices extends PicturePanel {
     this.#fit();
   }
 
-  /** Gives each pixel of the preview one pixel of the screen, or a square of them. */
+  /** Gives each pixel of the preview one pixel of the screen, or a square of them: the largest that fits, or of a chosen size. */
   #fit() {
     const { width, height, style } = this.canvas;
-    const zoom = (this.view.values().zoom ?? 1) / devicePixelRatio;
+    const { clientWidth, clientHeight } = this.canvas.parentElement;
+    const largest = Math.min((clientWidth - 2 * margin) / width, (clientHeight - 2 * margin) / height) * devicePixelRatio;
+    const zoom = (this.view.values().zoom ?? Math.max(Math.floor(largest), 1)) / devicePixelRatio;
     style.width = `${zoom * width}px`;
     style.height = `${zoom * height}px`;
   }
