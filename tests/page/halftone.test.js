@@ -449,6 +449,30 @@ test("keeps the divider within the picture on a phone across", async () => {
   await page.setViewportSize(viewport);
 });
 
+test("leaves the swipes of a finger to the page if the picture fits", async () => {
+  const context = await world.newContext({ viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true });
+  const page = await context.newPage();
+  await page.goto(`${world.url}/${few}`);
+  await settled(page, "halftone");
+  const devtools = await context.newCDPSession(page);
+  const touch = (type, ...touchPoints) => devtools.send("Input.dispatchTouchEvent", { type, touchPoints });
+  /** Returns by how many pixels the page scrolls if a finger moves up on the picture. */
+  const swipe = async () => {
+    await page.evaluate(() => scrollTo(0, 0));
+    await touch("touchStart", { x: 200, y: 400 });
+    for (let y = 380; y >= 200; y -= 20) await touch("touchMove", { x: 200, y });
+    await touch("touchEnd");
+    await settled(page, "halftone");
+    return page.evaluate(() => scrollY);
+  };
+  assert.ok(await swipe() > 100);
+  await page.evaluate(() => scrollTo(0, 0));
+  await page.click("#halftone [aria-label='Zoom in']");
+  await settled(page, "halftone");
+  assert.equal(await swipe(), 0);
+  await context.close();
+});
+
 test("shows numbers that the server has chosen", async () => {
   const { page } = world;
   await open();

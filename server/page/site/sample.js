@@ -179,7 +179,7 @@ export class Sample extends Panel {
     this.mesh = this.find("#mesh");
     this.tiles = this.find("#tiles");
     this.viewport = new Viewport(this.canvas, this.find(".zoom"), (...args) => this.#draw(...args),
-      { margin: 28, press: (at) => this.#press(at) });
+      { margin: 28, press: (at) => this.#press(at), swipes: () => this.shapeChoice.value !== "polygon" });
     this.drawing = new Drawing({
       toScreen: (corner) => this.#toScreen(corner), toShape: (at) => this.#toShape(at),
       grasped: () => this.#remember(), changed: (moving) => this.#shapeMoved(moving),

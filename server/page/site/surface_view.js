@@ -42,7 +42,7 @@ export class SurfaceView extends Viewport {
   #hasEdges = false;
 
   constructor(canvas, bar) {
-    super(canvas, bar);
+    super(canvas, bar, () => {}, { swipes: () => false });
     const gl = canvas.getContext("webgl2", { antialias: true });
     this.#painter = gl ? new WebglPainter(gl) : new CanvasPainter(canvas.getContext("2d"));
     canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());

@@ -35,13 +35,15 @@ export class Viewport {
    * @param bar      parent of the buttons
    * @param draw     called with a drawing context, whose unit is a CSS pixel, and with this viewport
    * @param options  `margin` in CSS pixels, and `press(point)`. If `press` returns a function, the press does not move
-   *                 the content; the function is called with the following points and finally with null
+   *                 the content; the function is called with the following points and finally with null. While
+   *                 `swipes()` is true, a finger on content that fits scrolls the page
    */
-  constructor(canvas, bar, draw, { margin = 16, press = () => null } = {}) {
+  constructor(canvas, bar, draw, { margin = 16, press = () => null, swipes = () => true } = {}) {
     this.#canvas = canvas;
     this.#draw = draw;
     this.margin = margin;
     this.press = press;
+    this.swipes = swipes;
     this.#addButtons(bar);
     this.#listen();
     this.#observe(new ResizeObserver(([entry]) => this.#resize(entry.devicePixelContentBoxSize?.[0])));
@@ -112,11 +114,17 @@ export class Viewport {
     return { x: (x - this.x) / this.scale, y: (y - this.y) / this.scale };
   }
 
+  /** Whether one finger scrolls the page. Otherwise, users of phones could not scroll past the picture. */
+  get #leavesSwipes() {
+    return this.#fitted && this.swipes();
+  }
+
   redraw() {
     if (this.#scheduled) return;
     this.#scheduled = true;
     requestAnimationFrame(() => {
       this.#scheduled = false;
+      this.#canvas.style.touchAction = this.#leavesSwipes ? "pan-y" : "none";
       this.paint(this.#canvas);
       this.percent.textContent = `${Math.round(100 * this.scale / (this.unit ?? this.#fit))} %`;
     });
@@ -191,6 +199,7 @@ export class Viewport {
     this.#pointers.set(event.pointerId, at);
     if (this.taken) return this.taken(at);
     const other = [...this.#pointers].find(([id]) => id !== event.pointerId)?.[1];
+    if (!other && this.#leavesSwipes && event.pointerType === "touch") return;
     if (!other) return this.move(at.x - before.x, at.y - before.y);
     const distance = (p) => Math.max(Math.hypot(p.x - other.x, p.y - other.y), 1);
     this.zoom(distance(at) / distance(before), { x: (at.x + other.x) / 2, y: (at.y + other.y) / 2 });
