@@ -511,6 +511,22 @@ test("copies the picture", async () => {
   await page.context().clearPermissions();
 });
 
+test("shows an element that requests the same dots", async () => {
+  await open("#halftone?sites=700&color=cmyk&width=300&on_deadline=partial");
+  const { page } = world;
+  await page.click('#halftone .kinds button:text-is("HTML")');
+  const text = await page.textContent("#halftone pre");
+  assert.match(text, /^<!-- without on_deadline,/);
+  await page.goto(`${world.url}/assets/reference.html`);
+  const asked = page.waitForRequest((request) => request.url().includes("/halftone?"));
+  await page.evaluate(async (html) => {
+    document.body.insertAdjacentHTML("beforeend", html);
+    await import(document.querySelector("script[src$='element.js']").src);
+  }, text);
+  const { sites, color, width } = Object.fromEntries(new URL((await asked).url()).searchParams);
+  assert.deepEqual({ sites, color, width }, { sites: "700", color: "cmyk", width: "300" });
+});
+
 test("selects the request if the browser does not allow copying", async () => {
   await open(few);
   const { page } = world;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Writes the request of the page as a command line of `ccdt`, and as a call of the Python package.
+// Writes the request of the page as a command line of `ccdt`, as a call of the Python package, and as an element in HTML.
 
 const shellQuoted = (text) => (/^[\w.,:/-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
 const quoted = (text) => JSON.stringify(text);
@@ -31,9 +31,23 @@ function inputOf({ name, path, text }) {
     name, content: text ? `json.load(${answer})` : `${answer}.read()` };
 }
 
+/** Options of /halftone that `<ccdt-halftone>` does not have, because they are for files, prints and plotters. */
+const onlyOfFiles = ["format", "width_mm", "style", "pen", "minutes", "speed", "dwell", "spot", "rotate", "bit_order", "invert_bits", "on_deadline"];
+
+const escaped = (text) => String(text).replaceAll("&", "&amp;").replaceAll('"', "&quot;");
+
+function elementOf({ name, path }, options) {
+  const address = path ? location.origin + path : name;
+  const attributes = Object.entries({ src: address, ...options, alt: "" }).filter(([option]) => !onlyOfFiles.includes(option));
+  const missing = onlyOfFiles.filter((option) => option in options);
+  return `${missing.length > 0 ? `<!-- without ${missing.join(", ")}, which the element does not have -->\n` : ""}<script type="module" src=${quoted(`${location.origin}/assets/element.js`)}></script>
+<ccdt-halftone${attributes.map(([option, value]) => ` ${option}="${escaped(value)}"`).join("")}></ccdt-halftone>`;
+}
+
 export function localHalftone({ picture, options, file }) {
   const { before, imports, name, content } = inputOf(picture);
   return {
+    HTML: elementOf(picture, options),
     ccdt: before + command("halftone", name, options, file),
     "import ccdt": `${imports}import ccdt\n\nccdt.halftone(${content}${keywords(options)}).save(${quoted(file)})`,
   };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shows the request of the page as code to copy, for curl, JavaScript and Python, the command and the Python package.
+// Shows the request of the page as code to copy, for curl, HTML, JavaScript and Python, the command and the Python package.
 
 import { hasKey } from "./api.js";
 import { make } from "./dom.js";
@@ -115,7 +115,7 @@ export class Snippets {
   #kind = "curl";
 
   constructor(element) {
-    const kinds = ["curl", "Browser", "Node", "Python", "ccdt", "import ccdt"].map((kind) => {
+    const kinds = ["curl", "HTML", "Browser", "Node", "Python", "ccdt", "import ccdt"].map((kind) => {
       const button = make("button", { type: "button", textContent: kind });
       button.addEventListener("click", () => { this.#kind = kind; this.#refresh(); });
       return button;
@@ -140,7 +140,10 @@ export class Snippets {
   }
 
   #refresh() {
-    for (const button of this.buttons) button.setAttribute("aria-pressed", String(button.textContent === this.#kind));
+    for (const button of this.buttons) {
+      button.setAttribute("aria-pressed", String(button.textContent === this.#kind));
+      button.hidden = !(button.textContent in this.#texts);
+    }
     this.text.textContent = this.#texts[this.#kind] ?? "";
     this.copy.textContent = "Copy";
   }
