@@ -2,7 +2,7 @@
 // Panel that places points in a shape.
 
 import assert from "node:assert/strict";
-import { mkdtemp, readFile, rm } from "node:fs/promises";
+import { mkdtemp, readdir, readFile, rm } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import path from "node:path";
 import { test } from "node:test";
@@ -97,9 +97,9 @@ test("draws by touch", async () => {
   await context.close();
 });
 
-const choose = async (file) => {
+const choose = async (file, state = "done") => {
   await world.page.setInputFiles("#sample .file", file);
-  await settled(world.page, "sample");
+  await settled(world.page, "sample", state);
 };
 const document = (json) => ({ name: "shape.geojson", mimeType: "application/geo+json", buffer: Buffer.from(JSON.stringify(json)) });
 const query = async () => new URLSearchParams((await world.page.textContent("#sample pre")).match(/sample\?([^']*)'/)[1]);
@@ -258,6 +258,20 @@ test("draws the outline of a zipped shapefile", async () => {
   await world.page.setInputFiles("#sample .file", { name: "photos.zip", mimeType: "application/zip", buffer: Buffer.from("PK\u0003\u0004 no files") });
   await settled(world.page, "sample", "failed");
   assert.match(await world.page.textContent("#sample .general"), /^photos\.zip cannot be read as a shapefile: /);
+});
+
+test("takes the files of a shapefile together", async () => {
+  await open();
+  const { page } = world;
+  const folder = await mkdtemp(path.join(tmpdir(), "ccdt-"));
+  await run("/usr/bin/python3", ["-m", "zipfile", "-e", path.join(data, "polygons/two-countries.zip"), folder]);
+  const files = (await readdir(folder, { recursive: true, withFileTypes: true })).filter((one) => one.isFile())
+    .map(({ parentPath, name }) => path.join(parentPath, name));
+  await choose(files.find((name) => name.endsWith(".shp")), "failed");
+  assert.match(await page.textContent("#sample .general"), /\.shp is a part of a shapefile\. Choose its \.shp, /);
+  await choose(files);
+  assert.match(await page.textContent("#sample .status"), /^1,000 points, \d+ km apart/);
+  await rm(folder, { recursive: true });
 });
 
 test("keeps the shape that was chosen last, even if an earlier one arrives later", async () => {

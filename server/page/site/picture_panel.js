@@ -155,7 +155,7 @@ export class PicturePanel extends Panel {
   #saveAll() {
     const { pictures } = this.ownThumbs;
     this.start(async (signal) => {
-      const { resultsFor, zipOf } = await import("./batch.js");
+      const [{ resultsFor }, { zipOf }] = [await import("./batch.js"), await import("./zip.js")];
       const { files, problems } = await resultsFor(pictures, (picture) => this.resultFor(picture, signal), {
         signal,
         progress: (done) => this.showJob({ status: "running", progress: done / pictures.length }),

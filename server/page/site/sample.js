@@ -8,7 +8,7 @@ import { colour, count, inMemory, make, metres, save, seconds } from "./dom.js";
 import { DotLayer } from "./dots.js";
 import { Drawing } from "./drawing.js";
 import { explain, Fields } from "./fields.js";
-import { isPicture } from "./file_kind.js";
+import { isPartOfShapefile, isPicture } from "./file_kind.js";
 import { countsOf, isGeojson, mayBeDegrees, polygonsOf } from "./geojson.js";
 import { postPatiently } from "./jobs.js";
 import { keep, kept } from "./kept.js";
@@ -72,6 +72,16 @@ async function isMesh(file) {
 }
 
 const isArchive = async (file) => (await file.slice(0, 4).text()) === "PK\u0003\u0004";
+
+/** Returns the first of several files or, if it is a part of a shapefile, an archive of all parts. */
+async function wholeOf(files) {
+  const [file] = files;
+  if (!isPartOfShapefile(file)) return file;
+  if (files.length === 1) throw new Error(`${file.name} is a part of a shapefile. Choose its .shp, .shx, .dbf and .prj files together`, { cause: file });
+  const { zipOf } = await import("./zip.js");
+  const parts = files.filter(isPartOfShapefile).map((part) => ({ name: part.name, blob: part }));
+  return new File([await zipOf(parts)], file.name.replace(/\.[^.]*$/, ".zip"), { type: "application/zip" });
+}
 
 /**
  * Reads a file. Returns {name, text}, with `archive` and its `type` for a zipped shapefile, or {name, mesh, type} for a
@@ -359,7 +369,7 @@ export class Sample extends Panel {
     const [file] = files;
     if (isPicture(file)) return this.offerElsewhere(files, "picture", { name: "halftone", title: "Halftone" });
     try {
-      const document = await this.loadNewest(inMemory(file).then(documentOf));
+      const document = await this.loadNewest(wholeOf(files).then(inMemory).then(documentOf));
       if (document) this.#takeOwn(document);
     } catch (error) {
       const { message, cause } = error;
@@ -566,7 +576,7 @@ export class Sample extends Panel {
     for (const [name, shape] of [["rectangle", "rectangle"], ["torus", "torus"], ["tile", "mask"], ["format", "mask"]]) this.shapeFields.offer(name, kind === shape);
     this.shapeFields.offer("volume", this.#hasDepth);
     this.#stopDrawing();
-    this.#tellOfShape(this.shape ? "" : "Choose or drop a GeoJSON file or a zipped shapefile");
+    this.#tellOfShape(this.shape ? "" : "Choose or drop a GeoJSON file or a shapefile");
     if (this.shape) this.#refit();
     this.viewport.redraw();
   }
