@@ -231,6 +231,10 @@ test("sends a large photograph reduced for drafts, and whole once the slider res
     await settled(world.page, "halftone");
     return { query: new URL(response.url()).searchParams, ...(await world.page.evaluate(() => window.last)) };
   };
+  const radius = () => number("dot").inputValue();
+  const before = await radius();
+  await during(() => slider("detail").dispatchEvent("input"));
+  assert.ok(Math.abs(await radius() / before - 1) < 0.1, `${await radius()} and ${before}`);
   await during(() => world.page.uncheck("#halftone .fields [data-name=dot] input[type=checkbox]"));
   const draft = await during(() => slider("dot").evaluate((input) => {
     input.value = Math.log(6);

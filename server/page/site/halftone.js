@@ -271,7 +271,8 @@ export class Halftone extends PicturePanel {
       if (signal.aborted) return;
       const original = await shownPart(this.picture.original, dots, options.gravity);
       this.keepPicture();
-      this.#tellChosen(response, dots);
+      const { factor } = (draft && await this.picture.reduced) || { factor: 1 };
+      this.#tellChosen(response, dots, factor);
       if (draft) return this.showResult({ ...this.shown, original, dots, drawing: undefined });
       this.showResult({
         original, dots, scale: original && dots.width / original.width,
@@ -286,12 +287,16 @@ export class Halftone extends PicturePanel {
     };
   }
 
-  /** Shows the numbers that the server has chosen. The radius counts pixels of the picture there, and of the output here. */
-  #tellChosen({ headers }, { width, height }) {
+  /**
+   * Shows the numbers that the server has chosen. The radius counts pixels of the sent picture there, and of the output
+   * here.
+   * @param factor  width of the picture / width of the sent picture
+   */
+  #tellChosen({ headers }, { width, height }, factor) {
     const { original } = this.picture;
     const scale = original ? width / original.width : 1;
     const rounded = (number, digits = 3) => (number > 0 ? Number(number.toPrecision(digits)) : undefined);
-    this.fields.tell("dot", rounded(scale * headers.get("X-Radius")));
+    this.fields.tell("dot", rounded(factor * scale * headers.get("X-Radius")));
     for (const [name, number] of Object.entries({ width, height, scale: rounded(scale) })) this.moreFields.tell(name, number);
   }
 
