@@ -63,7 +63,7 @@ export class Comparison {
     this.others.hidden = !isOn;
     this.table.hidden = differences.length === 0;
     this.hint.hidden = !this.table.hidden;
-    this.hint.textContent = isOn ? "A is left of the divider. Change settings to see them as B." : "to compare settings";
+    this.hint.textContent = isOn ? "A is on the left. Change settings for B." : "to compare settings";
     this.rows.replaceChildren(...differences.map(({ label, texts }) =>
       make("tr", {}, make("th", { scope: "row", textContent: label }), ...texts.map((textContent) => make("td", { textContent })))));
   }
