@@ -50,6 +50,23 @@ test("does not scroll the head out of view if the address names a panel", async 
   assert.equal(await world.page.evaluate(() => scrollY), 0);
 });
 
+test("follows a link that is clicked while the first picture is loaded", async () => {
+  const { page } = world;
+  let release;
+  const held = new Promise((resolve) => { release = resolve; });
+  const asked = page.waitForRequest((request) => request.url().endsWith("astronaut.jpg") && request.resourceType() === "fetch");
+  await page.route("**/astronaut.jpg", async (route) => {
+    if (route.request().resourceType() === "fetch") await held;
+    await route.continue();
+  });
+  await page.goto(world.url);
+  await asked;
+  await page.evaluate(() => { location.hash = "#halftone?sites=700"; });
+  release();
+  await page.waitForFunction(() => /^700 dots/.test(document.querySelector("#halftone .status").textContent));
+  assert.equal(await hash(), "#halftone?sites=700");
+});
+
 test("shares the settings of every kind of field of a halftone", async () => {
   await open();
   const { page } = world;
@@ -187,11 +204,11 @@ test("allows going back before what is shown is ready", async () => {
     await page.click(`#halftone [data-sample='${name}']`);
     await settled(page, "halftone");
   }
-  await page.evaluate(() => { history.back(); history.back(); history.forward(); });
-  await page.waitForFunction(() => location.hash.includes("camera"));
-  await page.waitForFunction(() => document.querySelector("#halftone pre").textContent.includes("camera.jpg"));
+  await page.evaluate(() => { history.back(); history.back(); });
+  await page.waitForFunction(() => document.querySelector("#halftone pre").textContent.includes("cat.jpg"));
   await settled(page, "halftone");
-  assert.equal(await page.getAttribute("#halftone [data-sample='camera.jpg']", "aria-pressed"), "true");
+  assert.equal(await page.getAttribute("#halftone [data-sample='cat.jpg']", "aria-pressed"), "true");
+  assert.equal(await hash(), "#halftone?picture=cat.jpg&sites=300");
 });
 
 test("shows the map without a shape in the address, and the polygon with other settings", async () => {
