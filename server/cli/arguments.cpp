@@ -116,9 +116,14 @@ void name_sides_of_domain(Arguments& arguments) {
 
 }  // namespace
 
-const std::string* Arguments::find(std::string_view name) const {
+const Arguments::Given* Arguments::find_given(std::string_view name) const {
     const auto found = std::ranges::find_if(given, [&](const Given& each) { return each.option->name == name; });
-    return found == given.end() ? nullptr : &found->value;
+    return found == given.end() ? nullptr : &*found;
+}
+
+const std::string* Arguments::find(std::string_view name) const {
+    const Given* const found = find_given(name);
+    return found == nullptr ? nullptr : &found->value;
 }
 
 Result<Arguments> parse_arguments(std::span<const Option> options, std::span<const char* const> arguments) {
@@ -152,8 +157,8 @@ Result<Arguments> parse_arguments(std::span<const Option> options, std::span<con
             written->value = arguments[i];
         }
         if (!option.member.empty()) {
-            if (option.takes_number) expand_thousands(*written->value);
-            result.given.push_back({&option, *std::move(written->value)});
+            result.given.push_back({&option, *written->value, *written->value});
+            if (option.takes_number) expand_thousands(result.given.back().value);
         } else if (auto set = set_option(*written, *written->value, result); !set) {
             return tl::unexpected(set.error());
         }

@@ -18,10 +18,11 @@ inline constexpr std::size_t kMaxFaces = 100'000'000;
 
 /// The arguments of a command that computes answers.
 struct Arguments {
-    /// An option of the API, and its value as on the command line.
+    /// An option of the API, and its value.
     struct Given {
         const Option* option;
-        std::string value;  ///< `true` or `false` for a flag
+        std::string value;       ///< `true` or `false` for a flag; a number in thousands is written out
+        std::string typed = {};  ///< the value on the command line, for messages
     };
 
     std::vector<Given> given;
@@ -33,6 +34,9 @@ struct Arguments {
     std::size_t threads = 1;
     std::size_t memory = 0;  ///< bytes
     api::Limits limits;
+
+    /// Finds an option; null if it is not given.
+    const Given* find_given(std::string_view name) const;
 
     /// Returns the value of an option; null if the option is not given.
     const std::string* find(std::string_view name) const;

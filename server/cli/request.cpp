@@ -51,7 +51,7 @@ std::string with_subject(std::string_view subject, std::string message) {
 
 /// Appends the value of an option as JSON. The parser of the API judges whether its type is right.
 Result<void> append_value(std::string& body, const Arguments::Given& given) {
-    const auto& [option, value] = given;
+    const auto& [option, value, typed] = given;
     if (option->is_flag() && (value == "true" || value == "false")) {
         body += value;
         return {};
@@ -155,7 +155,7 @@ Result<ApiRequest> build_request(const Command& command, const Arguments& argume
     if (mesh != nullptr || (file != nullptr && command.name != "analyze" && (is_binary || takes_query(arguments)))) {
         ApiRequest request{*file, {}};
         if (mesh != nullptr && input != nullptr) request.options.push_back({"points", *input});
-        for (const auto& [option, value] : arguments.given) {
+        for (const auto& [option, value, typed] : arguments.given) {
             if (&value != file) request.options.push_back({option->member, value});
         }
         return request;
@@ -187,7 +187,7 @@ Result<void> check_head(const Command& command, std::string_view head) {
 
 Result<void> read_value_files(Arguments& arguments) {
     std::vector<std::string*> files;
-    for (auto& [option, value] : arguments.given) {
+    for (auto& [option, value, typed] : arguments.given) {
         const bool is_mesh = names_mesh(*option);
         if (!is_mesh && (!option->takes_json || !value.starts_with('@'))) continue;
         const std::string file = value.substr(value.starts_with('@') ? 1 : 0);

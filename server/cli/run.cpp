@@ -200,11 +200,11 @@ private:
     /// Completes a message such as "--sites must be a number" by the value that is not valid.
     void add_value(std::string_view option, std::string& message) const {
         constexpr std::size_t kLongest = 64;
-        const std::string* const value = arguments_.find(option.substr(2));
-        if (value == nullptr || value->size() > kLongest || !message.starts_with(std::string(option) + " must be ") ||
-            message.find(", not ") != std::string::npos)
+        const Arguments::Given* const given = arguments_.find_given(option.substr(2));
+        if (given == nullptr || given->typed.size() > kLongest ||
+            !message.starts_with(std::string(option) + " must be ") || message.find(", not ") != std::string::npos)
             return;
-        message += ", not '" + *value + "'";
+        message += ", not '" + given->typed + "'";
     }
 
     tl::expected<void, Failed> answer(const Task& task) {

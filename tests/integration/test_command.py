@@ -394,6 +394,8 @@ class Errors(Folder):
         sample = ("sample", "--domain", TORUS, "--iterations=0", "--format=csv")
         self.assertEqual(self.assert_done(run(*sample, "--sites=1.2k")), self.assert_done(run(*sample, "--sites=1200")))
         self.assert_fails(run(*sample, "--seed=k", "--sites=9"), 2, "--seed", "'k'")
+        for typed in ("-1k", "1e-308k"):
+            self.assert_fails(run(*sample, f"--sites={typed}"), 2, "--sites must be", f"not '{typed}'")
 
     def test_domains_of_the_plane_can_be_words(self):
         for word in ("torus", "rectangle"):
