@@ -229,6 +229,7 @@ Result<void> write_halftone(const HalftoneRequest& request, const PointFormat& f
     std::vector<InkDots> inks;
     for (std::size_t ink = 0; ink < dots.size(); ++ink)
         inks.push_back({plan.field ? sites : request.palette.inks[ink], dots[ink]});
+    for (std::size_t ink = 0; ink < plan.paths.size(); ++ink) inks[ink].path = plan.paths[ink];
     auto written = std::visit(Writing(request, plan, report, std::move(inks), body, control), format.writer);
     if (auto going = check_stop(stop_of_writing(control, request.on_deadline)); !going) return going;
     return written;

@@ -296,9 +296,13 @@ void keep_to_time(const HalftoneRequest& request, HalftonePlan& plan, std::vecto
         std::vector<InkDots> inks;
         for (std::size_t ink = 0; ink < dots.size(); ++ink)
             inks.push_back({request.palette.inks[ink], dots[ink], plan.radius.value_or(0)});
-        const Plot plot = plot_of({inks}, page, request.drawing, stop);
+        Plot plot = plot_of({inks}, page, request.drawing, stop);
         const double share = 60 * *request.minutes / plot.size().seconds;
-        if (!(share < 1)) return;
+        if (!(share < 1)) {
+            if (stop.stop_requested()) return;  // the paths may not be short
+            for (Pen& pen : plot.pens) plan.paths.push_back(std::move(pen.runs.front().path));
+            return;
+        }
         std::size_t before = 0, after = 0;
         for (std::size_t ink = 0; ink < dots.size(); ++ink) {
             std::vector<Point>& points = dots[ink].points;

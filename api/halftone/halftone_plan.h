@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -34,6 +35,7 @@ struct HalftonePlan {
     std::optional<FieldPlan> field;  ///< only for Dots::Both
     Canvas canvas;
     std::vector<Warning> warnings;
+    std::vector<std::vector<std::uint32_t>> paths;  ///< [inks] InkDots::path; none: no path has been searched
 
     /// Returns the size of the dots, for the answer; none if `tone` is none.
     std::optional<DotSize> size() const { return tone ? std::optional(DotSize{*radius, *tone}) : std::nullopt; }

@@ -30,6 +30,8 @@ struct InkDots {
     const InkAreas* areas = nullptr;  ///< what the sites of one field draw; null: the dots are discs
     /// [points] Index of each point's feature, in ascending order; empty if points are not grouped by features.
     std::span<const std::uint32_t> features = {};
+    /// Order in which a pen draws the points, as PenRun::path; empty: a short path is searched.
+    std::span<const std::uint32_t> path = {};
 };
 
 /// Returns the ranks of `count` points from the point `first` on; empty if the points have no ranks.

@@ -137,7 +137,7 @@ void write_areas(Body& body, const InkAreas& areas, const std::stop_token& stop)
 
 /// Writes the members of an answer with a single ink.
 void write_single_ink(Body& body, const PointSet& points, const Report& report, const std::stop_token& stop) {
-    const auto& [ink, dots, radius, areas, features] = points.layers.front();
+    const auto& [ink, dots, radius, areas, features, path] = points.layers.front();
     std::string& out = body.text();
     out += "\"points\":";
     write_points(body, dots.points, stop);

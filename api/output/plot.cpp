@@ -192,7 +192,8 @@ Plot plot_of(const PointSet& points, const Page& page, const DrawingOptions& dra
         points.for_groups(layer, [&](std::uint32_t, std::size_t first, std::size_t count) {
             if (stop.stop_requested()) return;
             const auto group = std::span<const Point>(layer.dots.points).subspan(first, count);
-            pen.runs.push_back({group, path_of(group, page, plot.closed, path_stop)});
+            pen.runs.push_back({group, layer.path.empty() ? path_of(group, page, plot.closed, path_stop)
+                                                          : std::vector(layer.path.begin(), layer.path.end())});
         });
     }
     return plot;

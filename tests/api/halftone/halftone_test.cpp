@@ -597,6 +597,15 @@ TEST(PlacedHalftone, RejectsFormatsThatCannotDrawIt) {
     check("png", {{"sites", "50"}, {"scale", "16"}, {"format", "json"}}, ErrorCode::LimitExceeded, "scale");
 }
 
+TEST(PlacedHalftone, KeepsThePathsThatLimitTheTime) {
+    const std::string photo = photograph("camera.png");
+    const auto request = *parse_halftone(photo, {{"minutes", "4"}, {"width_mm", "90"}}, "", {});
+    Timings timings;
+    const auto placed = *place_halftone(request, {}, decode_inline(), {}, timings);
+    ASSERT_EQ(placed.plan.paths.size(), 1U);
+    EXPECT_EQ(placed.plan.paths.front().size(), placed.dots.front().points.size());
+}
+
 TEST(HalftoneOptions, ChooseSidesOfDots) {
     const auto dots = [](const Options& options) { return parse(options)->dots; };
     for (const auto* drawn : {"png", "webp", "tiff", "svg"}) EXPECT_EQ(dots({{"format", drawn}}), Dots::Both) << drawn;

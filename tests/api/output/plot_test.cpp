@@ -83,6 +83,16 @@ TEST(PlotTime, CountsPathsAndPenLifts) {
     EXPECT_NEAR(seconds_of(row, 0.1, drawing), 60 / 20.0 + 3 * 2 * 0.5 + 3 * 2 * std::numbers::pi * 0.25 / 20, 0.01);
 }
 
+TEST(Plot, KeepsAPathThatHasBeenSearched) {
+    const Ink ink;
+    const Distribution dots = dots_at({{1, 1}, {4, 1}, {7, 1}});
+    const std::vector<std::uint32_t> path = {1, 0, 2};  // not the shortest one
+    InkDots inks{ink, dots, 0.1};
+    inks.path = path;
+    const Page page = page_of(100);
+    EXPECT_EQ(plot_of({{&inks, 1}}, page, {.width_mm = 100}, {}).pens.front().runs.front().path, path);
+}
+
 TEST(PlotSize, IsDescribedWithTheTone) {
     const Ink ink;
     const Distribution dots = dots_at({{1, 1}, {4, 1}, {7, 1}});
