@@ -60,6 +60,10 @@ std::optional<Canvas> settled_canvas(const HalftoneRequest& request, PictureSize
     return std::nullopt;
 }
 
+Result<void> place_on_paper(const HalftoneRequest& request, Page& page) {
+    return about_option(request, place_on_paper(request.drawing, page));
+}
+
 std::string size_option(const HalftoneRequest& request) {
     return request.width ? "width" : request.height ? "height" : "scale";
 }

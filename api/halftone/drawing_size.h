@@ -6,6 +6,7 @@
 
 #include "api/halftone/halftone_request.h"
 #include "api/output/json_writer.h"
+#include "api/output/page.h"
 #include "core/base/result.h"
 #include "core/halftone/dots/dots.h"
 
@@ -24,6 +25,9 @@ PictureSize drawn_part(const HalftoneRequest& request, PictureSize picture);
 ///
 /// @param part  size of the drawn part of the picture
 std::optional<Canvas> settled_canvas(const HalftoneRequest& request, PictureSize part, const Limits& limits);
+
+/// Sets the width and the paper of the page of a request, as the function of the same name in api/output.
+Result<void> place_on_paper(const HalftoneRequest& request, Page& page);
 
 /// Returns the name of the option that determines the size of a drawing: `width`, `height` or `scale`. Errors about a
 /// drawing that is too large name this option.

@@ -60,7 +60,12 @@ struct Draft {
     std::optional<Colour> background;
 };
 
-constexpr std::array<OptionRule<Draft>, 34> kRules = {{
+template <Result<void> (*read)(const Input&, DrawingOptions&)>
+Result<void> drawing_rule(const Input& input, const Limits&, Draft& draft) {
+    return read(input, draft.request.drawing);
+}
+
+constexpr std::array<OptionRule<Draft>, 37> kRules = {{
     {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.sites, read_sites(i, l)); }},
     {"minutes",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.minutes, read_number(i, kMinutes)); }},
@@ -91,15 +96,18 @@ constexpr std::array<OptionRule<Draft>, 34> kRules = {{
     {"foreground", [](const Input& i, const Limits&, Draft& d) { return assign(d.foreground, read_colour(i)); }},
     {"background",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.background, read_colour_or_none(i)); }},
-    {"width_mm", [](const Input& i, const Limits&, Draft& d) { return read_width_mm(i, d.request.drawing); }},
-    {"style", [](const Input& i, const Limits&, Draft& d) { return read_style(i, d.request.drawing); }},
-    {"closed", [](const Input& i, const Limits&, Draft& d) { return read_closed(i, d.request.drawing); }},
-    {"pen", [](const Input& i, const Limits&, Draft& d) { return read_pen(i, d.request.drawing); }},
-    {"speed", [](const Input& i, const Limits&, Draft& d) { return read_speed(i, d.request.drawing); }},
-    {"dwell", [](const Input& i, const Limits&, Draft& d) { return read_dwell(i, d.request.drawing); }},
-    {"dwell_unit", [](const Input& i, const Limits&, Draft& d) { return read_dwell_unit(i, d.request.drawing); }},
-    {"pen_down", [](const Input& i, const Limits&, Draft& d) { return read_pen_down(i, d.request.drawing); }},
-    {"pen_up", [](const Input& i, const Limits&, Draft& d) { return read_pen_up(i, d.request.drawing); }},
+    {"width_mm", drawing_rule<read_width_mm>},
+    {"paper", drawing_rule<read_paper>},
+    {"margin", drawing_rule<read_margin>},
+    {"marks", drawing_rule<read_marks>},
+    {"style", drawing_rule<read_style>},
+    {"closed", drawing_rule<read_closed>},
+    {"pen", drawing_rule<read_pen>},
+    {"speed", drawing_rule<read_speed>},
+    {"dwell", drawing_rule<read_dwell>},
+    {"dwell_unit", drawing_rule<read_dwell_unit>},
+    {"pen_down", drawing_rule<read_pen_down>},
+    {"pen_up", drawing_rule<read_pen_up>},
     {"format", [](const Input& i, const Limits&,
                   Draft& d) { return assign(d.request.format, read_format(i, halftone_formats())); }},
 }};
@@ -188,7 +196,7 @@ Result<void> settle_size(Draft& draft, const HalftoneInput& input) {
     HalftoneRequest& request = draft.request;
     const RasterWriter* const raster = request.format->raster();
     const bool is_sized = request.width || request.height;
-    const bool is_print = request.scale || request.drawing.width_mm;
+    const bool is_print = request.scale || request.drawing.has_width();
     request.on_screen = !is_print && (is_sized || (raster != nullptr && !raster->is_for_print));
     request.antialias = draft.antialias.value_or(request.on_screen);
     request.may_be_scaled = request.on_screen && !is_sized && !draft.antialias;
@@ -211,7 +219,7 @@ Result<void> check_dot(const HalftoneRequest& request, const HalftoneInput& inpu
     if (request.dot && request.sites && request.dots == Dots::Both)
         return malformed(input.option("dot"),
                          "cannot be given together with sites if dots=both: leave one of them out");
-    if (!request.dot || !request.dot->millimetres || request.drawing.width_mm) return {};
+    if (!request.dot || !request.dot->millimetres || request.drawing.has_width()) return {};
     return malformed(input.option("dot"), "in mm needs width_mm, the width of the drawing in millimetres");
 }
 
@@ -219,8 +227,12 @@ Result<void> check_dot(const HalftoneRequest& request, const HalftoneInput& inpu
 Result<void> check_minutes(const HalftoneRequest& request, const HalftoneInput& input) {
     if (!request.minutes) return {};
     if (request.sites) return malformed(input.option("minutes"), "replaces sites: give only one of them");
-    if (request.drawing.width_mm) return {};
+    if (request.drawing.has_width()) return {};
     return malformed(input.option("minutes"), "needs width_mm, the width of the drawing in millimetres");
+}
+
+Result<void> check_drawing(const HalftoneRequest& request, const PointFormat& format) {
+    return about_option(request, format.check_drawing(request.drawing));
 }
 
 Result<HalftoneRequest> parse_options(const HalftoneInput& input, std::string_view accept, const Limits& limits) {
@@ -234,12 +246,9 @@ Result<HalftoneRequest> parse_options(const HalftoneInput& input, std::string_vi
         errors.add(settle_sides(draft, input));
         errors.add(settle_size(draft, input));
         draft.request.drawing.pen_follows = draft.request.drawing.style == DotStyle::Path && !input.has("pen");
-        errors.add(draft.request.format->check_drawing(draft.request.drawing, draft.request.field_of("width_mm")));
+        errors.add(check_drawing(draft.request, *draft.request.format));
     }
-    errors.add(check_effects(draft.request.drawing, draft.request.dot.has_value()).map_error([&](Error error) {
-        error.field = draft.request.field_of(error.field);
-        return error;
-    }));
+    errors.add(about_option(draft.request, check_effects(draft.request.drawing, draft.request.dot.has_value())));
     errors.add(settle_palette(draft, input));
     errors.add(check_dot(draft.request, input));
     errors.add(check_minutes(draft.request, input));
@@ -262,7 +271,19 @@ Result<void> check_format(const HalftoneRequest& request, const Canvas& canvas, 
     }
     const std::string option = size_option(request);
     if (auto sized = format.check_side(canvas, option, option); !sized) return sized;
-    return format.check_drawing(request.drawing, request.field_of("width_mm"));
+    return check_drawing(request, format);
+}
+
+/// Sets the width of the drawing, if it follows from the paper.
+Result<HalftoneRequest> settle_width(HalftoneRequest request) {
+    const ImageFile& image = request.image;
+    auto width = static_cast<int>(image.header.width), height = static_cast<int>(image.header.height);
+    if (shown_orientation(image.bytes, image.header) > 4) std::swap(width, height);
+    const PictureSize part = drawn_part(request, {width, height});
+    Page page{{{0, 0}, {static_cast<double>(part.width), static_cast<double>(part.height)}}};
+    if (auto placed = place_on_paper(request, page); !placed) return tl::unexpected(placed.error());
+    request.drawing.width_mm = page.width_mm;
+    return request;
 }
 
 }  // namespace
@@ -276,7 +297,7 @@ std::vector<std::string_view> halftone_options() {
 }
 
 Result<HalftoneRequest> parse_halftone(const HalftoneInput& input, std::string_view accept, const Limits& limits) {
-    return with_image(parse_options(input, accept, limits), input);
+    return with_image(parse_options(input, accept, limits), input).and_then(settle_width);
 }
 
 Result<PlacedHalftone> place_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,

@@ -49,7 +49,7 @@ public:
         if (plan_.field) describe_areas();
         for (std::size_t ink = 0; ink < inks_.size(); ++ink)
             inks_[ink].radius = plan_.radius ? *plan_.radius : rasterise(ink).radius / plan_.canvas.scale;
-        const Page page{plan_.box(), false, false, plan_.canvas, request_.drawing.width_mm};
+        const Page& page = plan_.page;
         const double largest = std::ranges::max_element(inks_, {}, &InkDots::radius)->radius;
         if (auto checked =
                 writer.check(request_.drawing, largest, page, request_.field_of("pen"), request_.field_of("width_mm"));

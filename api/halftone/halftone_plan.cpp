@@ -291,12 +291,11 @@ Result<std::vector<Density>> make_densities(HalftonePlan& plan, SeparatedPicture
 void keep_to_time(const HalftoneRequest& request, HalftonePlan& plan, std::vector<Distribution>& dots,
                   const std::stop_token& stop) {
     constexpr double kMargin = 1e-3;
-    const Page page{plan.box(), false, false, plan.canvas, request.drawing.width_mm};
     while (!stop.stop_requested()) {
         std::vector<InkDots> inks;
         for (std::size_t ink = 0; ink < dots.size(); ++ink)
             inks.push_back({request.palette.inks[ink], dots[ink], plan.radius.value_or(0)});
-        Plot plot = plot_of({inks}, page, request.drawing, stop);
+        Plot plot = plot_of({inks}, plan.page, request.drawing, stop);
         const double share = 60 * *request.minutes / plot.size().seconds;
         if (!(share < 1)) {
             if (stop.stop_requested()) return;  // the paths may not be short
@@ -340,6 +339,8 @@ Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits&
     auto canvas = plan_canvas(request, plan, scale, limits);
     if (!canvas) return tl::unexpected(canvas.error());
     plan.canvas = *canvas;
+    plan.page = Page{plan.box(), false, false, plan.canvas};
+    if (auto placed = place_on_paper(request, plan.page); !placed) return tl::unexpected(placed.error());
     const std::string option = size_option(request);
     if (auto checked = request.format->check_side(*canvas, option, option); !checked)
         return tl::unexpected(checked.error());

@@ -9,6 +9,7 @@
 #include "api/decode/decode.h"
 #include "api/halftone/halftone_request.h"
 #include "api/output/json_writer.h"
+#include "api/output/page.h"
 #include "core/base/result.h"
 #include "core/ccdt/plane/ccdt.h"
 #include "core/density/density.h"
@@ -34,6 +35,7 @@ struct HalftonePlan {
         proof;  ///< simulated print for polishing several inks together; none if the polish does not need it
     std::optional<FieldPlan> field;  ///< only for Dots::Both
     Canvas canvas;
+    Page page;
     std::vector<Warning> warnings;
     std::vector<std::vector<std::uint32_t>> paths;  ///< [inks] InkDots::path; none: no path has been searched
 

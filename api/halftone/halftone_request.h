@@ -67,4 +67,10 @@ struct HalftoneRequest {
     std::string field_of(std::string_view option) const;
 };
 
+/// Replaces the name of an option in Error::field by the field of the option in a request.
+inline Result<void> about_option(const HalftoneRequest& request, Result<void> result) {
+    if (!result) result.error().field = request.field_of(result.error().field);
+    return result;
+}
+
 }  // namespace ccdt::api

@@ -457,6 +457,13 @@ std::string describe_frame(const ImageHeader& header) {
            (stands_apart ? "the main picture" : "the first") + " is used";
 }
 
+int shown_orientation(std::string_view bytes, const ImageHeader& header) {
+    const bool is_heif = header.format == ImageFormat::Avif || header.format == ImageFormat::Heic;
+    if (is_heif) return header.view.orientation;
+    if (header.format != ImageFormat::Tiff) return exif_orientation(bytes, header.format);
+    return static_cast<int>(TiffDirectory(bytes).number(tiff::kOrientation).value_or(1));
+}
+
 int exif_orientation(std::string_view bytes, ImageFormat format) {
     std::string_view exif = find_exif(bytes, format);
     if (exif.starts_with("Exif")) exif.remove_prefix(std::min<std::size_t>(6, exif.size()));

@@ -73,4 +73,8 @@ std::string describe_frame(const ImageHeader& header);
 /// picture data) or WebP (the chunk EXIF), 1 to 8; 1 if there is none. Texts that contain EXIF are ignored.
 int exif_orientation(std::string_view bytes, ImageFormat format);
 
+/// Returns the orientation in which a picture is shown: that of EXIF, of the first page of a TIFF, or of the properties
+/// of a HEIF. From 5 to 8, width and height are exchanged; unknown values are upright.
+int shown_orientation(std::string_view bytes, const ImageHeader& header);
+
 }  // namespace ccdt::api

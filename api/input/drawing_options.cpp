@@ -6,10 +6,14 @@
 #include <cstddef>
 #include <string_view>
 
+#include "api/text/text.h"
+
 namespace ccdt::api {
 namespace {
 
 constexpr Interval kWidths = {.min = 1, .max = 10'000};
+constexpr Interval kPaperSides = {.min = 10, .max = 10'000};
+constexpr Interval kMargins = {.min = 0, .max = 1'000};
 constexpr Interval kPens = {.min = 0.01, .max = 100};
 constexpr Interval kSpeeds = {.min = 0.1, .max = 10'000};
 constexpr Interval kDwells = {.min = 0, .max = 60};
@@ -59,6 +63,48 @@ Result<void> read_width_mm(const Input& input, DrawingOptions& options) {
     return assign(options.width_mm, read_millimetres(input, kWidths));
 }
 
+Result<void> read_paper(const Input& input, DrawingOptions& options) {
+    // ISO 216, ANSI/ASME Y14.1
+    static constexpr std::array<Choice<Point>, 10> kFormats = {{{"a0", {841, 1189}},
+                                                                {"a1", {594, 841}},
+                                                                {"a2", {420, 594}},
+                                                                {"a3", {297, 420}},
+                                                                {"a4", {210, 297}},
+                                                                {"a5", {148, 210}},
+                                                                {"a6", {105, 148}},
+                                                                {"letter", {215.9, 279.4}},
+                                                                {"legal", {215.9, 355.6}},
+                                                                {"tabloid", {279.4, 431.8}}}};
+    const auto text = read_text(input);
+    if (!text) return tl::unexpected(text.error());
+    const std::string name = in_small_letters(*text);
+    const auto known = std::ranges::find(kFormats, name, &Choice<Point>::word);
+    if (known != kFormats.end()) {
+        options.paper = known->value;
+        return {};
+    }
+    std::string_view rest = name;
+    const auto side = [&](std::string_view digits) {
+        const auto number = parse_number<double>(digits);
+        return number && *number >= kPaperSides.min && *number <= kPaperSides.max ? *number : 0;
+    };
+    const double width = side(take_until(rest, "x")), height = side(rest);
+    options.paper = Point{width, height};
+    if (width > 0 && height > 0) return {};
+    return malformed(input,
+                     "must be a0 to a6, letter, legal, tabloid, or two sides from 10 to 10000 mm, such as 300x200");
+}
+
+Result<void> read_margin(const Input& input, DrawingOptions& options) {
+    options.of_paper = "margin";
+    return assign(options.margin, read_millimetres(input, kMargins));
+}
+
+Result<void> read_marks(const Input& input, DrawingOptions& options) {
+    options.of_paper = "marks";
+    return assign(options.marks, read_boolean(input));
+}
+
 Result<void> read_style(const Input& input, DrawingOptions& options) {
     return assign(options.style, read_choice<DotStyle>(input, kStyles));
 }
@@ -74,10 +120,12 @@ Result<void> check_effects(const DrawingOptions& options, bool has_dot) {
     if (options.closed && options.style != DotStyle::Path) return fault("closed", " is an option of style=path only");
     if (options.has_pen && options.style == DotStyle::Fill)
         return fault("pen", " is an option of style=stroke, circles, spiral and path only");
-    if (options.has_pen && options.style == DotStyle::Stroke && !options.width_mm)
+    if (options.has_pen && options.style == DotStyle::Stroke && !options.has_width())
         return fault("pen", " needs width_mm, the width of the drawing in millimetres");
     if (options.is_dot() && has_dot) return fault("dot", " is half of pen in this style: give only one of them");
-    if (!options.of_plotter.empty() && !options.width_mm)
+    if (!options.of_paper.empty() && !options.paper)
+        return fault(options.of_paper, " needs paper, the format of paper");
+    if (!options.of_plotter.empty() && !options.has_width())
         return fault(options.of_plotter, " needs width_mm, the width of the drawing in millimetres");
     return {};
 }

@@ -7,6 +7,7 @@
 
 #include "api/input/option_reader.h"
 #include "core/base/result.h"
+#include "core/geometry/point.h"
 
 namespace ccdt::api {
 
@@ -30,7 +31,12 @@ struct Plotter {
 
 /// Options of drawings that /halftone and /sample share.
 struct DrawingOptions {
-    std::optional<double> width_mm = {};  ///< width of the drawing on paper; none: the size is in pixels only
+    /// Width of the drawing on paper; none: it follows from `paper`, or the size is in pixels only.
+    std::optional<double> width_mm = {};
+    std::optional<Point> paper = {};  ///< sides of the paper in millimetres, which is turned to suit the drawing
+    double margin = 10;               ///< smallest distance of the drawing from the edges of the paper, mm
+    bool marks = false;               ///< whether registration marks are drawn around the drawing, by each pen
+    std::string_view of_paper = {};   ///< name of an option of `paper` that is given; empty: none
     DotStyle style = DotStyle::Fill;
     double pen_mm = 0.3;       ///< width of the pen; not used by Fill
     bool has_pen = false;      ///< whether the width of the pen is given; it is then the width of the dots of Stroke
@@ -38,6 +44,9 @@ struct DrawingOptions {
     bool pen_follows = false;  ///< whether the pen is as wide as the picture needs, in the style Path
     Plotter plotter = {};
     std::string_view of_plotter = {};  ///< name of an option of `plotter` that is given; empty: none
+
+    /// Whether the drawing has a width in millimetres.
+    bool has_width() const { return width_mm || paper; }
 
     /// Whether the drawing is made of pen strokes, which can only add ink to the paper.
     bool is_stroked() const { return style != DotStyle::Fill; }
@@ -60,6 +69,11 @@ Result<double> read_millimetres(const Input& input, const Interval& allowed);
 
 /// Reads the option after which the function is named. Errors: Malformed.
 Result<void> read_width_mm(const Input& input, DrawingOptions& options);
+
+/// Reads the name of a format of paper, or its sides in millimetres such as `300x200`. Errors: Malformed.
+Result<void> read_paper(const Input& input, DrawingOptions& options);
+Result<void> read_margin(const Input& input, DrawingOptions& options);
+Result<void> read_marks(const Input& input, DrawingOptions& options);
 Result<void> read_style(const Input& input, DrawingOptions& options);
 Result<void> read_closed(const Input& input, DrawingOptions& options);
 Result<void> read_pen(const Input& input, DrawingOptions& options);

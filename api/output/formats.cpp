@@ -116,8 +116,12 @@ Result<void> VectorWriter::check(const DrawingOptions& drawing, double radius, c
     return fills && in_millimetres ? check_sides(page, width_field) : fills;
 }
 
-Result<void> PointFormat::check_drawing(const DrawingOptions& drawing, const std::string& field) const {
-    if (vector() == nullptr || drawing.width_mm) return {};
+Result<void> PointFormat::check_drawing(const DrawingOptions& drawing) const {
+    const std::string field = "width_mm";
+    if (raster() != nullptr && drawing.paper)
+        return failure(ErrorCode::Malformed, "paper is an option of drawings of shapes only, such as svg and pdf",
+                       "paper");
+    if (vector() == nullptr || drawing.has_width()) return {};
     const std::string what = "width_mm (the width of the drawing in millimetres) is missing; ";
     if (vector()->in_millimetres)
         return failure(ErrorCode::Malformed, what + "format=" + std::string(file.name) + " needs it", field);

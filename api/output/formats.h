@@ -82,10 +82,10 @@ struct PointFormat {
     /// Whether the same request always gets the same bytes.
     bool repeats() const;
 
-    /// Checks that a drawing has a width in millimetres if its format or its style needs one.
-    /// @param field  Error::field of errors about the option width_mm
-    /// Errors: Malformed.
-    Result<void> check_drawing(const DrawingOptions& drawing, const std::string& field) const;
+    /// Checks that a drawing has a width in millimetres if its format or its style needs one, and that pixels have no
+    /// paper around them.
+    /// Errors: Malformed; Error::field is the name of an option.
+    Result<void> check_drawing(const DrawingOptions& drawing) const;
 
     /// Checks the size of a canvas. The error message recommends a smaller value of `option`.
     /// @param field  Error::field of the error

@@ -35,7 +35,7 @@ cairo_status_t hand_to(void* body, const unsigned char* data, unsigned size) {
 /// PDF document of one page that is being written. Coordinates are millimetres from the upper left corner.
 class PdfPage {
 public:
-    PdfPage(Point size, Body& body, const std::stop_token& stop) : stop_(stop), size_(size) {
+    PdfPage(Point size, Body& body, const std::stop_token& stop) : stop_(stop) {
         constexpr double kPoints = 72 / 25.4;  // per millimetre
         surface_.reset(cairo_pdf_surface_create_for_stream(hand_to, &body, kPoints * size.x, kPoints * size.y));
         // With a fixed date, the same drawing has the same bytes at any time.
@@ -46,10 +46,18 @@ public:
         cairo_set_line_join(context_.get(), CAIRO_LINE_JOIN_ROUND);
     }
 
-    void paper(const Colour& colour) {
+    void paper(const Colour& colour, const Box& area) {
         if (colour.transparent) return;
-        cairo_rectangle(context_.get(), 0, 0, size_.x, size_.y);
+        cairo_rectangle(context_.get(), area.min.x, area.min.y, area.width(), area.height());
         fill(colour);
+    }
+
+    void marks(const Page& page, const Colour& colour) {
+        for (const auto& [from, to] : page.marks()) {
+            move_to(from);
+            line_to(to);
+        }
+        stroke(colour, kMarkWidth);
     }
 
     /// Begins a group. The shapes of a group are first combined with each other; the result is then mixed with what is
@@ -123,7 +131,6 @@ private:
     }
 
     const std::stop_token& stop_;
-    Point size_;
     std::unique_ptr<cairo_surface_t, Release> surface_;
     std::unique_ptr<cairo_t, Release> context_;
 };
@@ -178,11 +185,12 @@ void draw_pen(const Plot& plot, const Pen& pen, PdfPage& page) {
 void write_areas(const InkAreas& areas, const Palette& palette, const Page& sheet, Body& body,
                  const std::stop_token& stop) {
     PdfPage page(sheet.size(), body, stop);
-    page.paper(palette.paper);
+    page.paper(palette.paper, sheet.drawing());
     for (std::size_t i = 0; i < areas.inks.size(); ++i) {
         if (areas.are_named()) page.begin_group();
         trace_rings(areas.rings[i], sheet.box, PageMapping(sheet, sheet.unit()), page);
         page.fill_even_odd(areas.inks[i].colour);
+        page.marks(sheet, areas.inks[i].colour);
         if (areas.are_named()) page.end_group(palette.mixing);
     }
     page.finish();
@@ -191,10 +199,11 @@ void write_areas(const InkAreas& areas, const Palette& palette, const Page& shee
 void write_plot(const Plot& plot, const Palette& palette, bool mixes, Body& body, const std::stop_token& stop) {
     body.set_plot(plot.size());
     PdfPage page(plot.page.size(), body, stop);
-    if (plot.style == DotStyle::Fill) page.paper(palette.paper);
+    if (plot.style == DotStyle::Fill) page.paper(palette.paper, plot.page.drawing());
     for (const Pen& pen : plot.pens) {
         if (mixes) page.begin_group();
         draw_pen(plot, pen, page);
+        page.marks(plot.page, pen.colour);
         if (mixes) page.end_group(palette.mixing);
     }
     page.finish();

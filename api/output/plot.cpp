@@ -131,12 +131,20 @@ Result<void> check_sides(const Page& page, const std::string& field) {
 
 PlotSize Plot::size() const {
     const double unit = page.unit();
+    const PageMapping position(page, unit);
+    const std::vector<MarkLine> marks = page.marks();
     PlotSize size;
     double lifts = 0;
     for (const Pen& pen : pens) {
         size.pen_mm = std::max(size.pen_mm, pen.width);
         const double drawn = length(pen.stroke);
         std::optional<Point> before;
+        std::vector<Point> before_dots;
+        for (const auto& [from, to] : marks) before_dots.insert(before_dots.end(), {from, to});
+        if (!marks.empty() && !pen.runs.front().path.empty())
+            before_dots.push_back(position(pen.runs.front().points[pen.runs.front().path.front()]));
+        size.path_mm += length(before_dots);
+        lifts += static_cast<double>(marks.size());
         for (const PenRun& run : pen.runs) {
             for (const std::uint32_t i : run.path) {
                 if (before) size.path_mm += unit * distance(*before, run.points[i]);

@@ -102,6 +102,16 @@ Result<void> check_sides(const Page& page, const std::string& field);
 Plot plot_of(const PointSet& points, const Page& page, const DrawingOptions& drawing, const std::stop_token& path_stop,
              const std::stop_token& stop = {});
 
+/// Draws the registration marks of a page with an object like that of trace().
+template <class Medium>
+void trace_marks(const Page& page, Medium& medium) {
+    for (const auto& [from, to] : page.marks()) {
+        medium.begin(from);
+        medium.line_to(to);
+        medium.end();
+    }
+}
+
 /// Draws a run with an object `medium`. For each stroke, calls medium.begin(Point), medium.line_to(Point) for the
 /// further points, and medium.end(). A stroke without line_to() is a touch of the pen. Calls medium.should_continue()
 /// from time to time, and returns early if the result is false. Points are relative to the upper left corner of the

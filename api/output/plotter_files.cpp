@@ -45,6 +45,7 @@ private:
 
 template <class Medium>
 void trace(const Plot& plot, const Pen& pen, Medium& medium) {
+    trace_marks(plot.page, medium);
     for (const PenRun& run : pen.runs) trace(plot, pen, run, medium);
 }
 

@@ -87,12 +87,14 @@ std::string escaped(std::string_view text) {
 /// SVG document of dots that is being written.
 class DotDocument {
 public:
+    /// @param page        must outlive this object
     /// @param attributes  additional attributes of the root element
     DotDocument(const Page& page, std::size_t dots, std::string_view attributes, Body& body)
         : body_(body),
           unit_(page.unit()),
           width_(page.size().x),
           height_(page.size().y),
+          page_(page),
           decimals_(std::min(kDigits - static_cast<int>(std::floor(elementary::log10(std::max(width_, height_)))),
                              kMaxDecimals)) {
         decimals_ = std::max(decimals_, 0);
@@ -123,7 +125,18 @@ public:
 
     void paper(const Colour& colour) {
         if (colour.transparent) return;
-        write(R"(<rect width=")", width_, R"(" height=")", height_, R"(" fill=")", hexadecimal(colour), "\"/>\n");
+        const Box area = page_.drawing();
+        write("<rect ");
+        if (page_.sheet) write(R"(x=")", area.min.x, R"(" y=")", area.min.y, R"(" )");
+        write(R"(width=")", area.width(), R"(" height=")", area.height(), R"(" fill=")", hexadecimal(colour), "\"/>\n");
+    }
+
+    void marks(const Colour& colour) {
+        const std::vector<MarkLine> lines = page_.marks();
+        if (lines.empty()) return;
+        write(R"(<path fill="none" stroke=")", hexadecimal(colour), R"(" stroke-width=")", kMarkWidth, R"(" d=")");
+        for (const auto& [from, to] : lines) write("M", from.x, " ", from.y, "L", to.x, " ", to.y);
+        write("\"/>\n");
     }
 
     /// Begins a layer of the drawing. Programs that change pens between layers read the layer's number in its id.
@@ -240,6 +253,7 @@ private:
     double unit_;
     double width_;
     double height_;
+    const Page& page_;
     int decimals_;
 };
 
@@ -356,6 +370,7 @@ void draw_areas(const InkAreas& areas, const Palette& palette, const Page& page,
         trace_rings(areas.rings[i], page.box, position, data);
         if (areas.are_named()) document.begin_layer(i + 1, labels[i], blend_of(palette));
         document.area(data.take(), unit, areas.inks[i].colour);
+        document.marks(areas.inks[i].colour);
         if (areas.are_named()) document.end_layer();
     }
     document.finish();
@@ -401,6 +416,7 @@ void write_svg(const PointSet& points, const Palette& palette, const Page& page,
         const Pen& pen = plot.pens[i];
         const std::string prefix = points.are_named() ? "class-" + std::to_string(i) + "-feature-" : "feature-";
         if (layered) document.begin_layer(i + 1, pen.label, blend_of(palette));
+        document.marks(pen.colour);
         std::size_t run = 0;
         points.for_groups(layer, [&](std::uint32_t feature, std::size_t first, std::size_t count) {
             if (stop.stop_requested() || run == pen.runs.size()) return;

@@ -155,7 +155,7 @@ constexpr auto kGroups = std::to_array<GroupRow>({
     {"Placement", " method quality iterations passes tolerance crease order mesh seed "},
     {"Analysis", " max-frequency spectrum modes "},
     {"Format and size", " format multipoint width height scale fit gravity antialias width-mm "},
-    {"Plotters", " style closed pen speed dwell dwell-unit pen-down pen-up "},
+    {"Plotters", " paper margin marks style closed pen speed dwell dwell-unit pen-down pen-up "},
     {"Devices", " device rotate spot bit-order invert-bits "},
     {"Pixels of a raster", " include calibration "},
     {"Files and messages", " output quiet json help "},

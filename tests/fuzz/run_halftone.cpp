@@ -54,7 +54,7 @@ std::string take_true(Bytes&) {
     return "true";
 }
 
-constexpr std::array<Option, 19> kOptions = {{{"sites", take_count<24, 1>},
+constexpr std::array<Option, 21> kOptions = {{{"sites", take_count<24, 1>},
                                               {"iterations", take_count<6, 0>},
                                               {"passes", take_count<4, 1>},
                                               {"quality", take_word<kQualities>},
@@ -72,7 +72,9 @@ constexpr std::array<Option, 19> kOptions = {{{"sites", take_count<24, 1>},
                                               {"on_deadline", [](Bytes&) { return std::string("partial"); }},
                                               {"levels", take_word<kLevels>},
                                               {"detail", take_word<kDetails>},
-                                              {"dots", take_word<kDots>}}};
+                                              {"dots", take_word<kDots>},
+                                              {"paper", [](Bytes&) { return std::string("a4"); }},
+                                              {"marks", take_true}}};
 
 /// Takes options. Each bit of the first number tells whether an option is given.
 std::vector<api::TextOption> take_options(Bytes& input) {

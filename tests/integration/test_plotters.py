@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Drawings for plotters, interpreted like the programs that drive plotters."""
 
+import io
 import re
 import unittest
 import zlib
 from xml.etree import ElementTree
 
 import numpy
+from PIL import Image
 
 from harness import PICTURES, ServerCase, post_json
 
@@ -415,6 +417,72 @@ class Refusals(PlotterCase):
         for option in ("pen_down", "pen_up"):
             for command in ("", "M3%3BM5", "M5%0AM3", "M5%0DM3", "M5%00", "(M5)", "%24H", "!", "%25", "M5%E2%80%A8M3", "M" * 65):
                 self.assert_refused((f"?format=gcode&width_mm=90&{option}={command}", option, "64 letters"))
+
+
+class Paper(PlotterCase):
+    """Drawings on paper whose format is given."""
+
+    def made(self, query, picture=CHELSEA):
+        return self.halftone(picture, "?sites=300&paper=a4&" + query).body
+
+    def assert_box(self, points, low, high, tolerance=0.2):
+        points = numpy.asarray(points)
+        numpy.testing.assert_allclose((points.min(0), points.max(0)), (low, high), atol=tolerance)
+
+    def test_has_the_drawing_in_the_middle(self):
+        height = 277 * 300 / 451  # of the drawing, without the margins of 10 mm
+        low, high = (10, 105 - height / 2), (287, 105 + height / 2)
+        root = ElementTree.fromstring(self.made("format=svg"))
+        self.assertEqual([root.get(name) for name in ("width", "height", "viewBox")], ["297mm", "210mm", "0 0 297 210"])
+        numpy.testing.assert_allclose([float(root.find(SVG + "rect").get(name)) for name in ("x", "y", "width", "height")],
+                                      (*low, 277, height), atol=1e-3)
+        numpy.testing.assert_allclose(Pdf(self.made("format=pdf")).size, (297, 210), atol=0.01)
+        dots = self.halftone(CHELSEA, "?sites=300&format=json&dots=ink").json()
+        expected = numpy.array(dots["points"]) * (277 / 451, -277 / 451) + (10, high[1])
+        for found in (run_hpgl(self.made("format=hpgl"))[1], Grbl(self.made("format=gcode")).pens[1],
+                      [points for _, points, _ in read_dxf(self.made("format=dxf"))[1]["PEN1_DOTS"]]):
+            self.assert_box([stroke[0] for stroke in found], expected.min(0), expected.max(0))
+
+    def test_suits_the_picture_as_it_is_shown(self):
+        for picture in ("turned.jpg", "turned.tif"):
+            upright = Image.open(io.BytesIO(CHELSEA)).convert("RGB")
+            file = io.BytesIO()
+            exif = Image.Exif()
+            exif[0x0112] = 6
+            upright.save(file, "JPEG" if picture.endswith("jpg") else "TIFF", exif=exif)
+            root = ElementTree.fromstring(self.made("format=svg", file.getvalue()))
+            self.assertEqual((root.get("viewBox"), root.find(SVG + "rect").get("height")), ("0 0 210 297", "277"), picture)
+
+    def test_has_marks_of_each_pen_outside_of_the_drawing(self):
+        query = "marks=true&color=cmyk&style=stroke&margin=2cm&format="
+        pens = run_hpgl(self.made(query + "hpgl"))
+        marks = [[line for line in strokes if len(line) == 2] for strokes in pens.values()]
+        self.assertEqual([len(lines) for lines in marks], [8] * len(pens))
+        self.assertTrue(all(lines == marks[0] for lines in marks))
+        for x, y in numpy.array(marks[0]).reshape(-1, 2):
+            self.assertTrue(0 < x < 297 and 0 < y < 210 and (x < 20 or x > 277 or y < 20 or y > 190), (x, y))
+        for style in ("stroke", "fill"):
+            layers = ElementTree.fromstring(self.made(f"marks=true&color=cmyk&style={style}&format=svg")).findall(SVG + "g")
+            self.assertEqual([len([path for path in layer.findall(SVG + "path") if path.get("d").count("L") == 8])
+                              for layer in layers], [1] * len(layers))
+
+    def test_adds_marks_to_the_time(self):
+        seconds = [float(self.ask("/halftone?sites=300&paper=a4&speed=10&format=hpgl&marks=" + marks, data=CHELSEA)
+                         .headers["x-plot-seconds"]) for marks in ("false", "true")]
+        self.assertTrue(60 < seconds[1] - seconds[0] < 160, seconds)
+
+    def test_of_points(self):
+        body = {"sites": 50, "domain": {"type": "rectangle", "width": 1, "height": 2}, "format": "hpgl", "paper": "200x100", "margin": 0}
+        points = [stroke[0] for stroke in run_hpgl(post_json(self.server, "/sample", body).body)[1]]
+        self.assert_box(points, (0, 0), (100, 200), 20)
+
+    def test_refuses_what_does_not_fit(self):
+        self.assert_refused(("?format=svg&paper=a9", "paper", "a0 to a6"), ("?format=svg&paper=5x900", "paper", "10 to 10000"),
+                            ("?format=svg&paper=nanx90", "paper", "10 to 10000"), ("?format=png&paper=a4", "paper", "svg"),
+                            ("?format=svg&margin=9", "margin", "paper"), ("?format=svg&marks=true", "marks", "paper"),
+                            ("?format=svg&paper=a4&margin=105", "margin", "no room"),
+                            ("?format=svg&paper=a4&marks=true&margin=3", "marks", "4 mm"),
+                            ("?format=svg&paper=a4&width_mm=278", "width_mm", "277 x 190"))
 
 
 class Layers(ServerCase):

@@ -22,12 +22,12 @@ async function open(address) {
 
 /**
  * Options without a field of the same name. They are older names, shapes, downloads, controls beside the picture, the
- * properties that a map counts, and the pen, which has two fields.
+ * properties that a map counts, the pen, which has two fields, and paper, which the page adds to drawings itself.
  */
 const elsewhere = {
-  halftone: ["closed", "dwell", "format", "invert", "pen"],
+  halftone: ["closed", "dwell", "format", "invert", "margin", "marks", "pen"],
   devices: [],
-  sample: ["polygon", "holes", "geometry", "classes", "object", "iterations", "mesh", "closed", "dwell", "pen"],
+  sample: ["polygon", "holes", "geometry", "classes", "object", "iterations", "mesh", "closed", "dwell", "margin", "marks", "pen"],
   surfaces: ["iterations", "mesh"],
 };
 

@@ -19,6 +19,9 @@ class PlotOptions(TypedDict, total=False):
     """Options of drawings on paper. Lengths are in millimetres."""
 
     width_mm: float
+    paper: str
+    margin: Union[float, str]
+    marks: bool
     style: str
     closed: bool
     pen: Union[float, str]

@@ -82,7 +82,7 @@ Result<Answer> write_answer(const SampleRequest& request, const PlacedSample& sa
     Stopwatch watch;
     const auto& [area, placed, elapsed] = sample;
     if (&format != request.output.format) {
-        if (auto can = format.check_drawing(request.output.drawing, request.field_of("width_mm")); !can)
+        if (auto can = request.about_option(format.check_drawing(request.output.drawing)); !can)
             return tl::unexpected(can.error());
     }
     const auto page = plan_page(request, format, area.whole, limits);

@@ -162,8 +162,10 @@ bool is_drawable(const Box& box) {
 
 Estimate turns_cost(const SampleRequest& request, const Box& box) {
     const auto sites = static_cast<double>(request.run.sites);
-    const double unit = request.output.drawing.width_mm.value_or(1) / box.width();
+    Page page{box};
+    if (!place_on_paper(request.output.drawing, page)) return {};  // nothing is written
     const double radius = request.output.dot.value_or(std::sqrt(box.width() * box.height() / sites) / 4);
+    const double unit = page.width_mm ? page.unit() : 1 / box.width();
     return turns_cost(*request.output.format, request.output.drawing, sites, unit * radius);
 }
 

@@ -158,8 +158,13 @@ constexpr std::array<OptionRule<Draft>, 8> kShapeRules = {{
     {"avoid", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.region.avoid, read_areas(i)); }},
 }};
 
+template <Result<void> (*read)(const Input&, DrawingOptions&)>
+Result<void> drawing_rule(const Input& input, const Limits&, Draft& draft) {
+    return read(input, draft.request.output.drawing);
+}
+
 /// Options that are members of a JSON body, or parameters if the body is a GeoJSON or TopoJSON document.
-constexpr std::array<OptionRule<Draft>, 30> kOptionRules = {{
+constexpr std::array<OptionRule<Draft>, 33> kOptionRules = {{
     {"sites", read_sites},
     {"per", [](const Input& i, const Limits&, Draft& d) { return read_per(i, d.counting); }},
     {"classes", [](const Input& i, const Limits&, Draft& d) { return assign(d.counting.classes, read_classes(i)); }},
@@ -184,16 +189,18 @@ constexpr std::array<OptionRule<Draft>, 30> kOptionRules = {{
     {"mesh", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.run.keep_mesh, read_boolean(i)); }},
     {"order",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.output.order, read_point_order(i)); }},
-    {"width_mm", [](const Input& i, const Limits&, Draft& d) { return read_width_mm(i, d.request.output.drawing); }},
-    {"style", [](const Input& i, const Limits&, Draft& d) { return read_style(i, d.request.output.drawing); }},
-    {"closed", [](const Input& i, const Limits&, Draft& d) { return read_closed(i, d.request.output.drawing); }},
-    {"pen", [](const Input& i, const Limits&, Draft& d) { return read_pen(i, d.request.output.drawing); }},
-    {"speed", [](const Input& i, const Limits&, Draft& d) { return read_speed(i, d.request.output.drawing); }},
-    {"dwell", [](const Input& i, const Limits&, Draft& d) { return read_dwell(i, d.request.output.drawing); }},
-    {"dwell_unit",
-     [](const Input& i, const Limits&, Draft& d) { return read_dwell_unit(i, d.request.output.drawing); }},
-    {"pen_down", [](const Input& i, const Limits&, Draft& d) { return read_pen_down(i, d.request.output.drawing); }},
-    {"pen_up", [](const Input& i, const Limits&, Draft& d) { return read_pen_up(i, d.request.output.drawing); }},
+    {"width_mm", drawing_rule<read_width_mm>},
+    {"paper", drawing_rule<read_paper>},
+    {"margin", drawing_rule<read_margin>},
+    {"marks", drawing_rule<read_marks>},
+    {"style", drawing_rule<read_style>},
+    {"closed", drawing_rule<read_closed>},
+    {"pen", drawing_rule<read_pen>},
+    {"speed", drawing_rule<read_speed>},
+    {"dwell", drawing_rule<read_dwell>},
+    {"dwell_unit", drawing_rule<read_dwell_unit>},
+    {"pen_down", drawing_rule<read_pen_down>},
+    {"pen_up", drawing_rule<read_pen_up>},
     {"width", [](const Input& i, const Limits&,
                  Draft& d) { return assign(d.request.output.width, read_integer(i, 1, kMaxWidth)); }},
     {"dot",
@@ -459,13 +466,9 @@ Result<SampleRequest> parse_sample(JsonValue root, const std::vector<TextOption>
     if (domain && draft.request.threshold_mask) errors.add(settle_mask(draft.depth, draft.request));
     errors.add(settle_format(accept, draft));
     const SampleOutput& output = draft.request.output;
-    errors.add(check_effects(output.drawing, output.dot.has_value()).map_error([&](Error error) {
-        error.field = draft.request.field_of(error.field);
-        return error;
-    }));
-    if (draft.request.output.format != nullptr && !draft.request.threshold_mask)
-        errors.add(draft.request.output.format->check_drawing(draft.request.output.drawing,
-                                                              draft.request.field_of("width_mm")));
+    errors.add(draft.request.about_option(check_effects(output.drawing, output.dot.has_value())));
+    if (output.format != nullptr && !draft.request.threshold_mask)
+        errors.add(draft.request.about_option(output.format->check_drawing(output.drawing)));
     if (auto settled = errors.result(); !settled) return tl::unexpected(settled.error());
     return std::move(draft.request);
 }

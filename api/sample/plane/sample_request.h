@@ -83,6 +83,12 @@ struct SampleRequest {
     std::string field_of(std::string_view option) const {
         return is_document ? std::string(option) : pointer_below("", option);
     }
+
+    /// Replaces the name of an option in Error::field by the field of the option.
+    Result<void> about_option(Result<void> result) const {
+        if (!result) result.error().field = field_of(result.error().field);
+        return result;
+    }
 };
 
 }  // namespace ccdt::api

@@ -42,11 +42,10 @@ double pitch_of(const Domain& domain, std::size_t sites) {
 
 /// Returns the radius of the dots, in units of the domain. The radius is at most twice the longer side of the bounding
 /// box; a dot of that size covers the box wherever its centre lies in the box.
-double radius_of(const SampleRequest& request, const Domain& domain) {
+double radius_of(const SampleRequest& request, const Domain& domain, const Page& page) {
     const double largest = 2 * std::max(domain.bounds().width(), domain.bounds().height());
     const DrawingOptions& drawing = request.output.drawing;
-    if (drawing.is_dot() && drawing.width_mm)
-        return std::min(drawing.pen_mm / 2 * domain.bounds().width() / *drawing.width_mm, largest);
+    if (drawing.is_dot() && page.width_mm) return std::min(drawing.pen_mm / 2 / page.unit(), largest);
     return std::min(request.output.dot.value_or(pitch_of(domain, request.run.sites) / 4), largest);
 }
 
@@ -101,9 +100,10 @@ private:
 Result<Page> plan_page(const SampleRequest& request, const PointFormat& format, const Domain& whole,
                        const Limits& limits) {
     const auto& [requested, drawing, width, dot, order, multipoint] = request.output;
-    Page page{whole.bounds(),   true,
-              whole.is_torus(), {},
-              drawing.width_mm, order.value_or(PointOrder::Path) == PointOrder::Path};
+    Page page{whole.bounds(), true, whole.is_torus()};
+    page.along_path = order.value_or(PointOrder::Path) == PointOrder::Path;
+    if (auto placed = request.about_option(place_on_paper(drawing, page)); !placed)
+        return tl::unexpected(placed.error());
     const Box& box = page.box;
     const double longer = std::max(box.width(), box.height());
     const RasterWriter* const pixels = format.raster();
@@ -128,7 +128,7 @@ Result<void> write_sample(const SampleRequest& request, const PointFormat& forma
     const Palette palette = palette_of(request);
     std::vector<InkDots> layers;
     for (std::size_t i = 0; i < dots.size(); ++i)
-        layers.push_back({palette.inks[i], dots[i].dots, radius_of(request, whole), nullptr, dots[i].feature_of});
+        layers.push_back({palette.inks[i], dots[i].dots, radius_of(request, whole, page), nullptr, dots[i].feature_of});
     PointSet points{layers};
     if (request.features) {
         points.feature_ids = request.features->ids;
