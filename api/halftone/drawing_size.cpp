@@ -65,7 +65,7 @@ Result<void> place_on_paper(const HalftoneRequest& request, Page& page) {
 }
 
 std::string size_option(const HalftoneRequest& request) {
-    return request.width ? "width" : request.height ? "height" : "scale";
+    return request.drawing.dpi ? "dpi" : request.width ? "width" : request.height ? "height" : "scale";
 }
 
 Result<void> check_pixels(const HalftoneRequest& request, const Canvas& canvas, const Limits& limits) {

@@ -29,8 +29,8 @@ std::optional<Canvas> settled_canvas(const HalftoneRequest& request, PictureSize
 /// Sets the width and the paper of the page of a request, as the function of the same name in api/output.
 Result<void> place_on_paper(const HalftoneRequest& request, Page& page);
 
-/// Returns the name of the option that determines the size of a drawing: `width`, `height` or `scale`. Errors about a
-/// drawing that is too large name this option.
+/// Returns the name of the option that determines the size of a drawing: `dpi`, `width`, `height` or `scale`. Errors
+/// about a drawing that is too large name this option.
 std::string size_option(const HalftoneRequest& request);
 
 /// Checks that a drawing has at most limits.max_pixels pixels. Errors: LimitExceeded.

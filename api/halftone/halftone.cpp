@@ -65,7 +65,7 @@ Result<void> drawing_rule(const Input& input, const Limits&, Draft& draft) {
     return read(input, draft.request.drawing);
 }
 
-constexpr std::array<OptionRule<Draft>, 37> kRules = {{
+constexpr std::array<OptionRule<Draft>, 39> kRules = {{
     {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.sites, read_sites(i, l)); }},
     {"minutes",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.minutes, read_number(i, kMinutes)); }},
@@ -100,11 +100,13 @@ constexpr std::array<OptionRule<Draft>, 37> kRules = {{
     {"paper", drawing_rule<read_paper>},
     {"margin", drawing_rule<read_margin>},
     {"marks", drawing_rule<read_marks>},
+    {"dpi", drawing_rule<read_dpi>},
     {"style", drawing_rule<read_style>},
     {"closed", drawing_rule<read_closed>},
     {"pen", drawing_rule<read_pen>},
     {"speed", drawing_rule<read_speed>},
     {"dwell", drawing_rule<read_dwell>},
+    {"machine", drawing_rule<read_machine>},
     {"dwell_unit", drawing_rule<read_dwell_unit>},
     {"pen_down", drawing_rule<read_pen_down>},
     {"pen_up", drawing_rule<read_pen_up>},
@@ -184,6 +186,8 @@ Result<void> check_size(const HalftoneRequest& request, const HalftoneInput& inp
         const bool is_side = option.name == "width" || option.name == "height";
         if ((is_side || option.name == "fit") && !request.format->is_drawn())
             return malformed(option, "is an option of drawings only; lists of dots are in pixels of the picture");
+        if ((is_side || option.name == "scale") && request.drawing.dpi)
+            return malformed(option, "replaces dpi: give only one of them");
         if (is_side && request.scale) return malformed(option, "replaces scale: give only one of them");
         if (option.name == "fit" && !(request.width && request.height))
             return malformed(option, is_sized ? "needs both width and height" : "needs width and height");
@@ -274,7 +278,7 @@ Result<void> check_format(const HalftoneRequest& request, const Canvas& canvas, 
     return check_drawing(request, format);
 }
 
-/// Sets the width of the drawing, if it follows from the paper.
+/// Sets the width of the drawing, if it follows from the paper, and the number of pixels that follows from it.
 Result<HalftoneRequest> settle_width(HalftoneRequest request) {
     const ImageFile& image = request.image;
     auto width = static_cast<int>(image.header.width), height = static_cast<int>(image.header.height);
@@ -283,6 +287,9 @@ Result<HalftoneRequest> settle_width(HalftoneRequest request) {
     Page page{{{0, 0}, {static_cast<double>(part.width), static_cast<double>(part.height)}}};
     if (auto placed = place_on_paper(request, page); !placed) return tl::unexpected(placed.error());
     request.drawing.width_mm = page.width_mm;
+    if (!request.drawing.dpi) return request;
+    if (auto set = about_option(request, assign(request.width, width_in_pixels(request.drawing))); !set)
+        return tl::unexpected(set.error());
     return request;
 }
 

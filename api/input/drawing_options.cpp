@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <string_view>
 
@@ -13,6 +14,7 @@ namespace {
 
 constexpr Interval kWidths = {.min = 1, .max = 10'000};
 constexpr Interval kPaperSides = {.min = 10, .max = 10'000};
+constexpr Interval kResolutions = {.min = 10, .max = 9'600};
 constexpr Interval kMargins = {.min = 0, .max = 1'000};
 constexpr Interval kPens = {.min = 0.01, .max = 100};
 constexpr Interval kSpeeds = {.min = 0.1, .max = 10'000};
@@ -105,6 +107,17 @@ Result<void> read_marks(const Input& input, DrawingOptions& options) {
     return assign(options.marks, read_boolean(input));
 }
 
+Result<void> read_dpi(const Input& input, DrawingOptions& options) {
+    return assign(options.dpi, read_number(input, kResolutions));
+}
+
+Result<int> width_in_pixels(const DrawingOptions& options) {
+    constexpr double kMillimetresPerInch = 25.4, kMaxWidth = 65'535;
+    const double width = std::max(std::round(*options.dpi * *options.width_mm / kMillimetresPerInch), 1.0);
+    if (width <= kMaxWidth) return static_cast<int>(width);
+    return failure(ErrorCode::LimitExceeded, "dpi makes a drawing of more than 65535 pixels in width", "dpi");
+}
+
 Result<void> read_style(const Input& input, DrawingOptions& options) {
     return assign(options.style, read_choice<DotStyle>(input, kStyles));
 }
@@ -125,6 +138,10 @@ Result<void> check_effects(const DrawingOptions& options, bool has_dot) {
     if (options.is_dot() && has_dot) return fault("dot", " is half of pen in this style: give only one of them");
     if (!options.of_paper.empty() && !options.paper)
         return fault(options.of_paper, " needs paper, the format of paper");
+    if (options.dpi && !options.width_mm)
+        return fault("dpi", " needs width_mm, the width of the drawing in millimetres");
+    const bool burns_lines = options.plotter.machine == Machine::Laser && options.style == DotStyle::Path;
+    if (burns_lines && options.plotter.dwell) return fault("dwell", " has no effect on the lines of a laser");
     if (!options.of_plotter.empty() && !options.has_width())
         return fault(options.of_plotter, " needs width_mm, the width of the drawing in millimetres");
     return {};
@@ -143,6 +160,13 @@ Result<void> read_speed(const Input& input, DrawingOptions& options) {
 Result<void> read_dwell(const Input& input, DrawingOptions& options) {
     options.of_plotter = "dwell";
     return assign(options.plotter.dwell, read_number(input, kDwells));
+}
+
+Result<void> read_machine(const Input& input, DrawingOptions& options) {
+    options.of_plotter = "machine";
+    static constexpr std::array<Choice<Machine>, 3> kMachines = {
+        {{"grbl", Machine::Grbl}, {"marlin", Machine::Marlin}, {"laser", Machine::Laser}}};
+    return assign(options.plotter.machine, read_choice<Machine>(input, kMachines));
 }
 
 Result<void> read_dwell_unit(const Input& input, DrawingOptions& options) {

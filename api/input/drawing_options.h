@@ -20,13 +20,27 @@ enum class DotStyle {
     Path,     ///< no dots, but a line through their centres in the order of a short path
 };
 
-/// Speed of a plotter, and the commands that move its pen.
+/// Kind of a machine that reads G-code.
+enum class Machine {
+    Grbl,    ///< GRBL, LinuxCNC and others
+    Marlin,  ///< dwells are in milliseconds; the feed rate also holds for G0; there is no command that ends a program
+    Laser,   ///< GRBL with a laser instead of a pen, which is off in all moves between strokes
+};
+
+/// Speed of a plotter, and the commands that move its pen or switch its laser.
 struct Plotter {
-    double speed = 100;                 ///< mm/s, the same with the pen down and up
-    double dwell = 0.075;               ///< seconds for lowering the pen, and the same for raising it
-    bool dwell_in_ms = false;           ///< whether G-code states the dwell in milliseconds instead of seconds
-    std::string pen_down = "M3 S1000";  ///< G-code; `|` separates lines
-    std::string pen_up = "M5";
+    double speed = 100;                      ///< mm/s, the same with the pen down and up
+    std::optional<double> dwell = {};        ///< seconds for lowering the pen, and the same for raising it; none: 0.075
+    std::optional<bool> dwell_in_ms = {};    ///< whether G-code states the dwell in milliseconds instead of seconds
+    std::string pen_down = {}, pen_up = {};  ///< G-code; `|` separates lines; empty: as usual for the machine
+    Machine machine = Machine::Grbl;
+
+    /// Returns the pause of the pen before and after a stroke. A laser only pauses to burn a dot.
+    double pause() const { return dwell.value_or(0.075); }
+
+    /// Returns the duration of all pauses for a stroke.
+    /// @param is_dot  whether the stroke only touches the paper
+    double pauses(bool is_dot) const { return machine != Machine::Laser ? 2 * pause() : is_dot ? pause() : 0; }
 };
 
 /// Options of drawings that /halftone and /sample share.
@@ -38,7 +52,8 @@ struct DrawingOptions {
     bool marks = false;               ///< whether registration marks are drawn around the drawing, by each pen
     std::string_view of_paper = {};   ///< name of an option of `paper` that is given; empty: none
     DotStyle style = DotStyle::Fill;
-    double pen_mm = 0.3;       ///< width of the pen; not used by Fill
+    double pen_mm = 0.3;             ///< width of the pen; not used by Fill
+    std::optional<double> dpi = {};  ///< pixels per inch of a drawing of pixels
     bool has_pen = false;      ///< whether the width of the pen is given; it is then the width of the dots of Stroke
     bool closed = false;       ///< whether the line of the style Path ends where it starts
     bool pen_follows = false;  ///< whether the pen is as wide as the picture needs, in the style Path
@@ -74,9 +89,14 @@ Result<void> read_width_mm(const Input& input, DrawingOptions& options);
 Result<void> read_paper(const Input& input, DrawingOptions& options);
 Result<void> read_margin(const Input& input, DrawingOptions& options);
 Result<void> read_marks(const Input& input, DrawingOptions& options);
+Result<void> read_dpi(const Input& input, DrawingOptions& options);
 Result<void> read_style(const Input& input, DrawingOptions& options);
 Result<void> read_closed(const Input& input, DrawingOptions& options);
 Result<void> read_pen(const Input& input, DrawingOptions& options);
+
+/// Returns the width in pixels of a drawing of which width_mm and dpi are given.
+/// Errors: LimitExceeded; Error::field is the name of an option.
+Result<int> width_in_pixels(const DrawingOptions& options);
 
 /// Checks that all options of pens and plotters that are given have an effect.
 /// @param has_dot  whether the radius of dots is given
@@ -85,6 +105,7 @@ Result<void> check_effects(const DrawingOptions& options, bool has_dot);
 
 Result<void> read_speed(const Input& input, DrawingOptions& options);
 Result<void> read_dwell(const Input& input, DrawingOptions& options);
+Result<void> read_machine(const Input& input, DrawingOptions& options);
 Result<void> read_dwell_unit(const Input& input, DrawingOptions& options);
 
 /// Reads a command in G-code: letters, digits, blanks, points, signs, and `|` between lines. Rejects all other

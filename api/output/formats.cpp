@@ -121,6 +121,8 @@ Result<void> PointFormat::check_drawing(const DrawingOptions& drawing) const {
     if (raster() != nullptr && drawing.paper)
         return failure(ErrorCode::Malformed, "paper is an option of drawings of shapes only, such as svg and pdf",
                        "paper");
+    if (raster() == nullptr && drawing.dpi)
+        return failure(ErrorCode::Malformed, "dpi is an option of drawings of pixels only, such as png", "dpi");
     if (vector() == nullptr || drawing.has_width()) return {};
     const std::string what = "width_mm (the width of the drawing in millimetres) is missing; ";
     if (vector()->in_millimetres)

@@ -82,8 +82,8 @@ struct PointFormat {
     /// Whether the same request always gets the same bytes.
     bool repeats() const;
 
-    /// Checks that a drawing has a width in millimetres if its format or its style needs one, and that pixels have no
-    /// paper around them.
+    /// Checks that a drawing has a width in millimetres if its format or its style needs one, that pixels have no
+    /// paper around them, and that only pixels have a resolution.
     /// Errors: Malformed; Error::field is the name of an option.
     Result<void> check_drawing(const DrawingOptions& drawing) const;
 

@@ -93,7 +93,8 @@ double seconds_for(double dots, const PlotInk& ink, std::optional<double> radius
     const double drawn = length(dot_stroke(drawing.style, each, drawing.pen_mm));
     const double lifts = drawing.style == DotStyle::Path ? 1 : dots;
     const double moved = kPath * ink.spread * std::sqrt(dots / ink.area) + dots * drawn;
-    return moved / drawing.plotter.speed + 2 * drawing.plotter.dwell * lifts;
+    const bool is_touch = drawing.style != DotStyle::Path && !(drawn > 0);
+    return moved / drawing.plotter.speed + drawing.plotter.pauses(is_touch) * lifts;
 }
 
 }  // namespace
@@ -134,7 +135,7 @@ PlotSize Plot::size() const {
     const PageMapping position(page, unit);
     const std::vector<MarkLine> marks = page.marks();
     PlotSize size;
-    double lifts = 0;
+    double pauses = 0;
     for (const Pen& pen : pens) {
         size.pen_mm = std::max(size.pen_mm, pen.width);
         const double drawn = length(pen.stroke);
@@ -144,7 +145,8 @@ PlotSize Plot::size() const {
         if (!marks.empty() && !pen.runs.front().path.empty())
             before_dots.push_back(position(pen.runs.front().points[pen.runs.front().path.front()]));
         size.path_mm += length(before_dots);
-        lifts += static_cast<double>(marks.size());
+        pauses += static_cast<double>(marks.size()) * plotter.pauses(false);
+        const double each = plotter.pauses(style != DotStyle::Path && !(drawn > 0));
         for (const PenRun& run : pen.runs) {
             for (const std::uint32_t i : run.path) {
                 if (before) size.path_mm += unit * distance(*before, run.points[i]);
@@ -152,10 +154,10 @@ PlotSize Plot::size() const {
             }
             const auto dots = static_cast<double>(run.path.size());
             size.path_mm += dots * drawn;
-            lifts += style == DotStyle::Path ? std::min(dots, 1.0) : dots;
+            pauses += each * (style == DotStyle::Path ? std::min(dots, 1.0) : dots);
         }
     }
-    size.seconds = size.path_mm / plotter.speed + 2 * plotter.dwell * lifts;
+    size.seconds = size.path_mm / plotter.speed + pauses;
     return size;
 }
 

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "api/text/numbers.h"
 
@@ -99,10 +100,22 @@ class Gcode : public PlotterFile {
 public:
     Gcode(const Plot& plot, Body& body, const std::stop_token& stop)
         : PlotterFile(plot, body, stop),
+          machine_(plot.plotter.machine),
           feed_(60 * plot.plotter.speed),
-          down_(movement(plot.plotter.pen_down, plot.plotter)),
-          up_(movement(plot.plotter.pen_up, plot.plotter)),
-          commands_set_feed_((down_ + up_).find_first_of("Ff") != std::string::npos) {}
+          down_(commands(plot.plotter.pen_down, kDown[index()])),
+          up_(commands(plot.plotter.pen_up, kUp[index()])),
+          dot_(down_),
+          commands_set_feed_((down_ + up_).find_first_of("Ff") != std::string::npos) {
+        const std::string pause = pause_of(plot.plotter);
+        if (machine_ != Machine::Laser) {
+            for (std::string* const each : {&down_, &up_, &dot_}) *each += pause;
+            return;
+        }
+        // With M4, the power follows the speed, so a laser at rest needs M3. It is on only in the mode G1.
+        dot_ = "G1 F";
+        append_fixed(dot_, feed_, 4);
+        dot_ += '\n' + commands(plot.plotter.pen_down, "M3 S1000") + pause;
+    }
 
     void initialise(const Plot& plot) { write("; ", plot.description(), "\nG21\nG90\n", up_); }
 
@@ -112,45 +125,66 @@ public:
         is_feed_told_ = false;
     }
 
-    void finish() { write("G0 X0 Y0\nM2\n"); }
+    void finish() { write("G0 X0 Y0\n", machine_ == Machine::Marlin ? "" : "M2\n"); }
 
     void begin(Point at) {
-        move("G0", at);
-        write("\n", down_);
-        if (commands_set_feed_) is_feed_told_ = false;
+        move("G0", at, machine_ == Machine::Marlin);
+        is_touch_ = true;
     }
 
     void line_to(Point at) {
-        move("G1", at);
-        if (!is_feed_told_) write(" F", feed_);
-        is_feed_told_ = true;
+        if (std::exchange(is_touch_, false)) lower(down_);
+        move("G1", at, true);
+    }
+
+    void end() {
+        if (is_touch_) lower(dot_);
+        write(up_);
+        if (commands_set_feed_) is_feed_told_ = false;
+    }
+
+private:
+    static constexpr std::array<std::string_view, 3> kDown = {"M3 S1000", "G1 Z0 F1000", "M4 S1000"};
+    static constexpr std::array<std::string_view, 3> kUp = {"M5", "G1 Z5 F1000", "M5"};
+
+    std::size_t index() const { return static_cast<std::size_t>(machine_); }
+
+    static std::string commands(const std::string& given, std::string_view usual) {
+        std::string lines(given.empty() ? usual : given);
+        std::ranges::replace(lines, '|', '\n');
+        return lines += '\n';
+    }
+
+    /// Returns the command for the pause of the pen; empty if there is none.
+    static std::string pause_of(const Plotter& plotter) {
+        if (!(plotter.pause() > 0)) return {};
+        const bool in_ms = plotter.dwell_in_ms.value_or(plotter.machine == Machine::Marlin);
+        const double seconds = std::max(plotter.pause(), 1e-3);
+        std::string command = "G4 P";
+        append_fixed(command, in_ms ? 1000 * seconds : seconds, in_ms ? 0 : 3);
+        return command += '\n';
+    }
+
+    void lower(const std::string& commands) {
+        write(commands);
+        if (commands_set_feed_) is_feed_told_ = false;
+    }
+
+    void move(std::string_view command, Point at, bool has_feed) {
+        const Point p = upright(at);
+        write(command, " X", p.x, " Y", p.y);
+        if (has_feed && !std::exchange(is_feed_told_, true)) write(" F", feed_);
         write("\n");
     }
 
-    void end() { write(up_); }
-
-private:
-    /// Returns the commands that raise or lower the pen, followed by a dwell.
-    static std::string movement(std::string commands, const Plotter& plotter) {
-        std::ranges::replace(commands, '|', '\n');
-        commands += '\n';
-        if (!(plotter.dwell > 0)) return commands;
-        const double seconds = std::max(plotter.dwell, 1e-3);
-        commands += "G4 P";
-        append_fixed(commands, plotter.dwell_in_ms ? 1000 * seconds : seconds, plotter.dwell_in_ms ? 0 : 3);
-        return commands += '\n';
-    }
-
-    void move(std::string_view command, Point at) {
-        const Point p = upright(at);
-        write(command, " X", p.x, " Y", p.y);
-    }
-
+    Machine machine_;
     double feed_;  ///< speed of the pen, mm per minute
     std::string down_;
     std::string up_;
+    std::string dot_;         ///< what lowers the pen for a touch
     bool commands_set_feed_;  ///< whether the commands of the pen change the speed, which then must be set again
     bool is_feed_told_ = false;
+    bool is_touch_ = false;
 };
 
 /// Returns the index of the nearest colour in AutoCAD's palette. Index 7 is black on a white background.

@@ -238,7 +238,8 @@ class Options(ContractCase):
              ("/halftone", "gravity"): {"format": "png", "width": 10, "height": 30, "fit": "cover"},
              ("/sample", "style"): {"format": "svg"}, ("/sample", "multipoint"): {"format": "geojson"},
              **{(path, option): {"format": "gcode", "style": "spiral", "width_mm": 100}
-                for path in ("/halftone", "/sample") for option in ("speed", "dwell", "dwell_unit", "pen_down", "pen_up")},
+                for path in ("/halftone", "/sample") for option in ("speed", "dwell", "machine", "dwell_unit", "pen_down", "pen_up")},
+             **{(path, "dpi"): {"format": "png", "width_mm": 10} for path in ("/halftone", "/sample")},
              **{(path, option): {"format": "svg", "paper": "2010x2010"} for path in ("/halftone", "/sample") for option in ("margin", "marks")},
              **{(path, "closed"): {"format": "svg", "style": "path", "width_mm": 100} for path in ("/halftone", "/sample")},
              **{(path, "pen"): {"format": "svg", "style": "spiral", "width_mm": 1} for path in ("/halftone", "/sample")},
@@ -341,7 +342,7 @@ class Options(ContractCase):
     def test_have_the_documented_defaults(self):
         others = {"seed": 1, "per": 2, "iterations": 6, "passes": 6, "quality": "best", "dot": 0.5, "detail": 1, "alpha": "linear", "levels": [0.2, 1], "fit": "cover", "gravity": [0, 1],
                   "tone": "perceptual", "foreground": "#123456", "background": "#123456",
-                  "color": "cmyk", "style": "stroke", "closed": True, "margin": 20, "marks": True, "pen": 1, "speed": 50, "dwell": 1, "dwell_unit": "ms", "pen_down": "M3", "pen_up": "M4", "method": "odt", "mesh": True, "coordinates": "lonlat",
+                  "color": "cmyk", "style": "stroke", "closed": True, "margin": 20, "marks": True, "pen": 1, "speed": 50, "dwell": 1, "machine": "marlin", "method": "odt", "mesh": True, "coordinates": "lonlat",
                   "max_frequency": 5, "spectrum": True, "multipoint": False, "buffer": 0.1, "format": "svg", "domain": {"type": "rectangle", "width": 2, "height": 1}}
         alike = {"on_deadline", "invalid"}  # these make no difference to a request that is valid and in time
         tried = set()

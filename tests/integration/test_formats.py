@@ -219,6 +219,11 @@ class Drawings(FormatCase):
         self.assertNotIn("dpi", Image.open(io.BytesIO(self.made("png", **body).body)).info)
         halftone = Image.open(io.BytesIO(self.dots("?sites=50&scale=1&width_mm=100").body))
         self.assertAlmostEqual(halftone.info["dpi"][0], 512 / 100 * 25.4, delta=0.02)
+        for form in ("png", "tiff"):
+            printed = Image.open(io.BytesIO(self.halftone(CAMERA, f"?sites=300&width_mm=50.8&dpi=150&format={form}").body))
+            self.assertEqual(printed.size, (300, 300))
+            self.assertAlmostEqual(float(printed.info["dpi"][0]), 150, delta=0.02)
+        self.assertEqual(Image.open(io.BytesIO(self.made("png", sites=9, domain=body["domain"], width_mm=50.8, dpi=150).body)).width, 300)
 
     def test_drawings_of_a_torus_wrap_around(self):
         body = {"sites": 64, "width": 640, "domain": {"type": "torus", "width": 1, "height": 1}, "dot": 0.02}

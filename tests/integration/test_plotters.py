@@ -203,7 +203,7 @@ class PlotterCase(ServerCase):
         for query, field, words in cases:
             with self.subTest(query=query):
                 answer = self.ask("/halftone" + query, data=CHELSEA)
-                self.assertIn(answer.status, (400, 422), answer)
+                self.assertIn(answer.status, (400, 413, 422), answer)
                 problem = answer.json()
                 self.assertEqual(problem["errors"][0]["pointer"], field)
                 self.assertIn(words, problem["detail"])
@@ -412,6 +412,12 @@ class Refusals(PlotterCase):
     def test_of_pens(self):
         self.assert_refused(("?pen=0", "pen", "0.01"), ("?pen=1e308", "pen", "0.01"),
                             ("?format=dxf&width_mm=9000&sites=1&style=spiral&pen=0.01", "pen", "turns"))
+
+    def test_of_options_without_effect(self):
+        self.assert_refused(("?dpi=300", "dpi", "width_mm"), ("?format=svg&width_mm=90&dpi=300", "dpi", "png"),
+                            ("?width_mm=90&dpi=300&width=9", "width", "dpi"), ("?width_mm=9000&dpi=9600", "dpi", "65535"),
+                            ("?width_mm=90&dpi=300&scale=2", "scale", "dpi"), ("?format=svg&machine=laser", "machine", "width_mm"),
+                            ("?format=gcode&width_mm=90&machine=laser&style=path&dwell=1", "dwell", "laser"))
 
     def test_of_pen_commands_that_inject_others(self):
         for option in ("pen_down", "pen_up"):

@@ -22,11 +22,13 @@ class PlotOptions(TypedDict, total=False):
     paper: str
     margin: Union[float, str]
     marks: bool
+    dpi: float
     style: str
     closed: bool
     pen: Union[float, str]
     speed: float
     dwell: float
+    machine: str
     dwell_unit: str
     pen_down: str
     pen_up: str

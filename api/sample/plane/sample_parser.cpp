@@ -164,7 +164,7 @@ Result<void> drawing_rule(const Input& input, const Limits&, Draft& draft) {
 }
 
 /// Options that are members of a JSON body, or parameters if the body is a GeoJSON or TopoJSON document.
-constexpr std::array<OptionRule<Draft>, 33> kOptionRules = {{
+constexpr std::array<OptionRule<Draft>, 35> kOptionRules = {{
     {"sites", read_sites},
     {"per", [](const Input& i, const Limits&, Draft& d) { return read_per(i, d.counting); }},
     {"classes", [](const Input& i, const Limits&, Draft& d) { return assign(d.counting.classes, read_classes(i)); }},
@@ -193,11 +193,13 @@ constexpr std::array<OptionRule<Draft>, 33> kOptionRules = {{
     {"paper", drawing_rule<read_paper>},
     {"margin", drawing_rule<read_margin>},
     {"marks", drawing_rule<read_marks>},
+    {"dpi", drawing_rule<read_dpi>},
     {"style", drawing_rule<read_style>},
     {"closed", drawing_rule<read_closed>},
     {"pen", drawing_rule<read_pen>},
     {"speed", drawing_rule<read_speed>},
     {"dwell", drawing_rule<read_dwell>},
+    {"machine", drawing_rule<read_machine>},
     {"dwell_unit", drawing_rule<read_dwell_unit>},
     {"pen_down", drawing_rule<read_pen_down>},
     {"pen_up", drawing_rule<read_pen_up>},
@@ -442,6 +444,15 @@ Result<void> check_quality(const Draft& draft) {
         "one");
 }
 
+/// Sets the width in pixels, if it follows from the resolution.
+Result<void> settle_width(SampleRequest& request) {
+    SampleOutput& output = request.output;
+    if (!output.drawing.dpi || !output.drawing.width_mm) return {};
+    if (output.width)
+        return failure(ErrorCode::Malformed, "width replaces dpi: give only one of them", request.field_of("width"));
+    return request.about_option(assign(output.width, width_in_pixels(output.drawing)));
+}
+
 }  // namespace
 
 std::vector<std::string_view> sample_options() {
@@ -469,6 +480,7 @@ Result<SampleRequest> parse_sample(JsonValue root, const std::vector<TextOption>
     errors.add(draft.request.about_option(check_effects(output.drawing, output.dot.has_value())));
     if (output.format != nullptr && !draft.request.threshold_mask)
         errors.add(draft.request.about_option(output.format->check_drawing(output.drawing)));
+    errors.add(settle_width(draft.request));
     if (auto settled = errors.result(); !settled) return tl::unexpected(settled.error());
     return std::move(draft.request);
 }

@@ -694,8 +694,8 @@ TEST(HalftoneOptions, OfPlottersHaveTheirDefaultsAndLimits) {
     const auto usual = parse({});
     EXPECT_EQ(usual->drawing.pen_mm, 0.3);
     EXPECT_EQ(usual->drawing.plotter.speed, 100);
-    EXPECT_EQ(usual->drawing.plotter.dwell, 0.075);
-    EXPECT_EQ(usual->drawing.plotter.pen_down, "M3 S1000");
+    EXPECT_EQ(usual->drawing.plotter.pause(), 0.075);
+    EXPECT_EQ(usual->drawing.plotter.pen_down, "");
     EXPECT_EQ(parse({{"style", "path"}, {"pen", "0.5mm"}})->drawing.pen_mm, 0.5);
     EXPECT_EQ(parse({{"pen_up", "G0 Z2|S0"}, {"width_mm", "90"}})->drawing.plotter.pen_up, "G0 Z2|S0");
     const std::vector<Options> wrong = {{{"pen", "0.001"}},

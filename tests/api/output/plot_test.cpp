@@ -93,6 +93,15 @@ TEST(Plot, KeepsAPathThatHasBeenSearched) {
     EXPECT_EQ(plot_of({{&inks, 1}}, page, {.width_mm = 100}, {}).pens.front().runs.front().path, path);
 }
 
+TEST(PlotTime, OfALaserPausesForDotsOnly) {
+    const std::vector<Point> row = {{1, 1}, {4, 1}, {7, 1}};
+    DrawingOptions drawing{.width_mm = 100, .style = DotStyle::Stroke, .plotter = {.speed = 20, .dwell = 0.5}};
+    drawing.plotter.machine = Machine::Laser;
+    EXPECT_DOUBLE_EQ(seconds_of(row, 0.1, drawing), 60 / 20.0 + 3 * 0.5);
+    drawing.style = DotStyle::Path;
+    EXPECT_DOUBLE_EQ(seconds_of(row, 0.1, drawing), 60 / 20.0);
+}
+
 TEST(PlotSize, IsDescribedWithTheTone) {
     const Ink ink;
     const Distribution dots = dots_at({{1, 1}, {4, 1}, {7, 1}});

@@ -62,6 +62,25 @@ TEST(Gcode, HasTheCommandsOfTheMachine) {
               "M0\n; PEN 2 BLACK\nG0 X0.1 Y0\nG1 Z-1 F300\nS5\nG0 Z2\nG0 X0 Y0\nM2\n");
 }
 
+TEST(Gcode, IsUnderstoodByMarlin) {
+    EXPECT_EQ(written(write_gcode, {.style = DotStyle::Path, .plotter = {.machine = Machine::Marlin}}),
+              "; 3 dots, pen 0.3 mm, path 0.02 m, 0 min\nG21\nG90\nG1 Z5 F1000\nG4 P75\n"
+              "; PEN 1 RED\nG0 X10 Y40 F6000\nG1 Z0 F1000\nG4 P75\nG1 X30 Y37.5 F6000\nG1 Z5 F1000\nG4 P75\n"
+              "M0\n; PEN 2 BLACK\nG0 X0.1 Y0 F6000\nG1 Z0 F1000\nG4 P75\nG1 Z5 F1000\nG4 P75\nG0 X0 Y0\n");
+}
+
+TEST(Gcode, BurnsLinesAndDotsButNoMoves) {
+    DrawingOptions drawing{.style = DotStyle::Path, .plotter = {.machine = Machine::Laser}};
+    EXPECT_EQ(written(write_gcode, drawing),
+              "; 3 dots, pen 0.3 mm, path 0.02 m, 0 min\nG21\nG90\nM5\n"
+              "; PEN 1 RED\nG0 X10 Y40\nM4 S1000\nG1 X30 Y37.5 F6000\nM5\n"
+              "M0\n; PEN 2 BLACK\nG0 X0.1 Y0\nG1 F6000\nM3 S1000\nG4 P0.075\nM5\nG0 X0 Y0\nM2\n");
+    drawing.plotter.pen_down = "M3 S200";
+    const std::string file = written(write_gcode, drawing);
+    EXPECT_NE(file.find("\nM3 S200\nG1 X30"), std::string::npos);
+    EXPECT_NE(file.find("\nG1 F6000\nM3 S200\nG4"), std::string::npos);
+}
+
 TEST(Gcode, SetsTheSpeedAgainAfterCommandsThatChangeIt) {
     DrawingOptions drawing{.style = DotStyle::Circles, .pen_mm = 0.5};
     const auto speeds = [&] {
