@@ -65,7 +65,7 @@ Result<void> drawing_rule(const Input& input, const Limits&, Draft& draft) {
     return read(input, draft.request.drawing);
 }
 
-constexpr std::array<OptionRule<Draft>, 39> kRules = {{
+constexpr std::array<OptionRule<Draft>, 40> kRules = {{
     {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.sites, read_sites(i, l)); }},
     {"minutes",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.minutes, read_number(i, kMinutes)); }},
@@ -100,6 +100,7 @@ constexpr std::array<OptionRule<Draft>, 39> kRules = {{
     {"paper", drawing_rule<read_paper>},
     {"margin", drawing_rule<read_margin>},
     {"marks", drawing_rule<read_marks>},
+    {"split", drawing_rule<read_split>},
     {"dpi", drawing_rule<read_dpi>},
     {"style", drawing_rule<read_style>},
     {"closed", drawing_rule<read_closed>},
@@ -158,7 +159,8 @@ constexpr std::string_view kPenObstacle = "cannot be both in formats for plotter
 std::string_view obstacle_to_both(const HalftoneRequest& request) {
     if (request.tone == Tone::Density) return "cannot be both with tone=density, whose dots are ink";
     if (request.drawing.is_stroked()) return "can be both only with style=fill: a pen can only add ink";
-    if (request.minutes) return "cannot be both with minutes, the time of a plotter: a pen can only add ink";
+    if (request.minutes || request.drawing.part_minutes)
+        return "cannot be both with minutes, the time of a plotter: a pen can only add ink";
     return needs_pen(*request.format) ? kPenObstacle : std::string_view{};
 }
 
@@ -250,6 +252,7 @@ Result<HalftoneRequest> parse_options(const HalftoneInput& input, std::string_vi
         errors.add(settle_sides(draft, input));
         errors.add(settle_size(draft, input));
         draft.request.drawing.pen_follows = draft.request.drawing.style == DotStyle::Path && !input.has("pen");
+        errors.add(about_option(draft.request, draft.request.format->check_kind(draft.request.drawing)));
         errors.add(check_drawing(draft.request, *draft.request.format));
     }
     errors.add(about_option(draft.request, check_effects(draft.request.drawing, draft.request.dot.has_value())));
@@ -329,7 +332,7 @@ Result<Answer> write_answer(const HalftoneRequest& request, const PlacedHalftone
         if (auto can = check_format(request, plan.canvas, format, limits); !can) return tl::unexpected(can.error());
     }
     Answer answer;
-    answer.media_type = format.file.content_type();
+    answer.media_type = format.media_type(request.drawing);
     answer.dots = plan.size();
     if (format.file.name != "json" && !plan.warnings.empty()) answer.warnings = write_warnings(plan.warnings);
     for (const Distribution& each : dots) answer.sites += each.points.size();

@@ -15,6 +15,7 @@
 #include "api/output/formats.h"
 #include "api/output/json_writer.h"
 #include "api/output/point_drawing.h"
+#include "api/output/split.h"
 #include "api/run/deadline.h"
 #include "core/halftone/dots/dots.h"
 #include "core/halftone/dots/softening.h"
@@ -27,9 +28,10 @@ namespace {
 /// Writes dots in the format of a request. Has an operator for each kind of writer that a format can have.
 class Writing {
 public:
-    Writing(const HalftoneRequest& request, const HalftonePlan& plan, const Report& report, std::vector<InkDots> inks,
-            Body& body, const Control& control)
+    Writing(const HalftoneRequest& request, const PointFormat& format, const HalftonePlan& plan, const Report& report,
+            std::vector<InkDots> inks, Body& body, const Control& control)
         : request_(request),
+          format_(format),
           plan_(plan),
           report_(report),
           inks_(std::move(inks)),
@@ -55,9 +57,8 @@ public:
                 writer.check(request_.drawing, largest, page, request_.field_of("pen"), request_.field_of("width_mm"));
             !checked)
             return checked;
-        writer.write({.layers = inks_, .tone = plan_.tone}, request_.palette, page, request_.drawing, body_, path_stop_,
-                     stop_);
-        return {};
+        return about_option(request_, write_drawing(format_, {.layers = inks_, .tone = plan_.tone}, request_.palette,
+                                                    page, request_.drawing, body_, path_stop_, stop_));
     }
 
     Result<void> operator()(const RasterWriter& writer) {
@@ -210,6 +211,7 @@ private:
     }
 
     const HalftoneRequest& request_;
+    const PointFormat& format_;
     const HalftonePlan& plan_;
     const Report& report_;
     std::vector<InkDots> inks_;
@@ -230,7 +232,7 @@ Result<void> write_halftone(const HalftoneRequest& request, const PointFormat& f
     for (std::size_t ink = 0; ink < dots.size(); ++ink)
         inks.push_back({plan.field ? sites : request.palette.inks[ink], dots[ink]});
     for (std::size_t ink = 0; ink < plan.paths.size(); ++ink) inks[ink].path = plan.paths[ink];
-    auto written = std::visit(Writing(request, plan, report, std::move(inks), body, control), format.writer);
+    auto written = std::visit(Writing(request, format, plan, report, std::move(inks), body, control), format.writer);
     if (auto going = check_stop(stop_of_writing(control, request.on_deadline)); !going) return going;
     return written;
 }

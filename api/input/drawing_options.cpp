@@ -15,6 +15,7 @@ namespace {
 constexpr Interval kWidths = {.min = 1, .max = 10'000};
 constexpr Interval kPaperSides = {.min = 10, .max = 10'000};
 constexpr Interval kResolutions = {.min = 10, .max = 9'600};
+constexpr Interval kParts = {.min = 1, .max = 10'000};
 constexpr Interval kMargins = {.min = 0, .max = 1'000};
 constexpr Interval kPens = {.min = 0.01, .max = 100};
 constexpr Interval kSpeeds = {.min = 0.1, .max = 10'000};
@@ -107,6 +108,14 @@ Result<void> read_marks(const Input& input, DrawingOptions& options) {
     return assign(options.marks, read_boolean(input));
 }
 
+Result<void> read_split(const Input& input, DrawingOptions& options) {
+    options.is_split = true;
+    const auto text = read_text(input);
+    if (text && *text == "ink") return {};
+    auto read = assign(options.part_minutes, read_number(input, kParts));
+    return read ? read : malformed(input, "must be ink, or a number of minutes from 1 to 10000");
+}
+
 Result<void> read_dpi(const Input& input, DrawingOptions& options) {
     return assign(options.dpi, read_number(input, kResolutions));
 }
@@ -138,6 +147,8 @@ Result<void> check_effects(const DrawingOptions& options, bool has_dot) {
     if (options.is_dot() && has_dot) return fault("dot", " is half of pen in this style: give only one of them");
     if (!options.of_paper.empty() && !options.paper)
         return fault(options.of_paper, " needs paper, the format of paper");
+    if (options.part_minutes && !options.has_width())
+        return fault("split", " by minutes needs width_mm, the width of the drawing in millimetres");
     if (options.dpi && !options.width_mm)
         return fault("dpi", " needs width_mm, the width of the drawing in millimetres");
     const bool burns_lines = options.plotter.machine == Machine::Laser && options.style == DotStyle::Path;

@@ -52,8 +52,10 @@ struct DrawingOptions {
     bool marks = false;               ///< whether registration marks are drawn around the drawing, by each pen
     std::string_view of_paper = {};   ///< name of an option of `paper` that is given; empty: none
     DotStyle style = DotStyle::Fill;
-    double pen_mm = 0.3;             ///< width of the pen; not used by Fill
-    std::optional<double> dpi = {};  ///< pixels per inch of a drawing of pixels
+    double pen_mm = 0.3;                      ///< width of the pen; not used by Fill
+    bool is_split = false;                    ///< whether each ink has a file of its own
+    std::optional<double> part_minutes = {};  ///< maximum drawing time of a file; requires `is_split`
+    std::optional<double> dpi = {};           ///< pixels per inch of a drawing of pixels
     bool has_pen = false;      ///< whether the width of the pen is given; it is then the width of the dots of Stroke
     bool closed = false;       ///< whether the line of the style Path ends where it starts
     bool pen_follows = false;  ///< whether the pen is as wide as the picture needs, in the style Path
@@ -89,6 +91,7 @@ Result<void> read_width_mm(const Input& input, DrawingOptions& options);
 Result<void> read_paper(const Input& input, DrawingOptions& options);
 Result<void> read_margin(const Input& input, DrawingOptions& options);
 Result<void> read_marks(const Input& input, DrawingOptions& options);
+Result<void> read_split(const Input& input, DrawingOptions& options);
 Result<void> read_dpi(const Input& input, DrawingOptions& options);
 Result<void> read_style(const Input& input, DrawingOptions& options);
 Result<void> read_closed(const Input& input, DrawingOptions& options);

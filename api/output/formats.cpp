@@ -116,13 +116,20 @@ Result<void> VectorWriter::check(const DrawingOptions& drawing, double radius, c
     return fills && in_millimetres ? check_sides(page, width_field) : fills;
 }
 
+Result<void> PointFormat::check_kind(const DrawingOptions& drawing) const {
+    const auto fault = [](std::string_view option, const char* message) {
+        return failure(ErrorCode::Malformed, std::string(option) + message, std::string(option));
+    };
+    constexpr const char* kShapes = " is an option of drawings of shapes only, such as svg and pdf";
+    if (raster() != nullptr && drawing.paper) return fault("paper", kShapes);
+    if (vector() == nullptr && drawing.is_split) return fault("split", kShapes);
+    if (raster() == nullptr && drawing.dpi)
+        return fault("dpi", " is an option of drawings of pixels only, such as png");
+    return {};
+}
+
 Result<void> PointFormat::check_drawing(const DrawingOptions& drawing) const {
     const std::string field = "width_mm";
-    if (raster() != nullptr && drawing.paper)
-        return failure(ErrorCode::Malformed, "paper is an option of drawings of shapes only, such as svg and pdf",
-                       "paper");
-    if (raster() == nullptr && drawing.dpi)
-        return failure(ErrorCode::Malformed, "dpi is an option of drawings of pixels only, such as png", "dpi");
     if (vector() == nullptr || drawing.has_width()) return {};
     const std::string what = "width_mm (the width of the drawing in millimetres) is missing; ";
     if (vector()->in_millimetres)

@@ -11,6 +11,7 @@
 #include "api/input/drawing_options.h"
 #include "api/input/file_formats.h"
 #include "api/input/palette.h"
+#include "api/output/archive.h"
 #include "api/output/json_writer.h"
 #include "api/output/plot.h"
 #include "api/output/point_drawing.h"
@@ -79,12 +80,20 @@ struct PointFormat {
     const RasterWriter* raster() const { return std::get_if<RasterWriter>(&writer); }
     const VectorWriter* vector() const { return std::get_if<VectorWriter>(&writer); }
 
+    /// Returns the media type of an answer, which may be an archive of several files.
+    std::string media_type(const DrawingOptions& drawing) const {
+        return vector() != nullptr && drawing.is_split ? std::string(kZipType) : file.content_type();
+    }
+
     /// Whether the same request always gets the same bytes.
     bool repeats() const;
 
-    /// Checks that a drawing has a width in millimetres if its format or its style needs one, that pixels have no
-    /// paper around them, and that only pixels have a resolution.
+    /// Checks that a request for this format has no options of other kinds of formats: of paper, pixels and files.
     /// Errors: Malformed; Error::field is the name of an option.
+    Result<void> check_kind(const DrawingOptions& drawing) const;
+
+    /// Checks that a drawing has a width in millimetres if its format or its style needs one.
+    /// Errors: Malformed; Error::field is the name of the option width_mm.
     Result<void> check_drawing(const DrawingOptions& drawing) const;
 
     /// Checks the size of a canvas. The error message recommends a smaller value of `option`.

@@ -38,7 +38,9 @@ Estimate turns_cost(const PointFormat& format, const DrawingOptions& drawing, do
     if (shapes == nullptr) return {};
     const std::vector<Point> stroke =
         dot_stroke(drawing.style, std::min(kMaxTurns * drawing.pen_mm, radius), drawing.pen_mm);
-    return shapes->per_turn_point * (static_cast<double>(stroke.size() - 1) * sites);
+    constexpr double kCopies = 160;  // bytes of a dot in the files and in the archive
+    const Estimate turns = shapes->per_turn_point * (static_cast<double>(stroke.size() - 1) * sites);
+    return drawing.is_split ? turns * 3 + Estimate{kCopies * sites, 0} : turns;
 }
 
 Estimate drawing_cost(const PointFormat& format, const Estimate& raster, double sites, double pixels) {

@@ -35,7 +35,7 @@ Estimate zones_cost(double cells);
 /// @param radius  radius of the dots in pixels, may exceed the picture; none: follows from the wanted coverage
 Estimate raster_cost(double sites, double pixels, std::optional<double> radius, bool antialias);
 
-/// Estimates the cost of writing the circles or spirals that fill dots.
+/// Estimates the cost of writing the circles or spirals that fill dots, and of the files of a split drawing.
 /// @param radius  radius of the dots, in millimetres
 Estimate turns_cost(const PointFormat& format, const DrawingOptions& drawing, double sites, double radius);
 

@@ -97,10 +97,10 @@ const std::array kProgramOptions = {
            .value = "FILE",
            .description =
                "File of the answer, or - for standard output. With several inputs, {name} in FILE stands for the name "
-               "of the input's file without its suffix. A folder stands for {name} in it. The suffix of FILE chooses "
-               "the format, unless --format is "
-               "given. An existing file is replaced once the answer is complete. Without this option, the answer goes "
-               "to standard output, but only text goes to a terminal.",
+               "of the input's file without its suffix. {ink} splits a drawing into files, and stands for their names "
+               "without suffix. A folder stands for {name} in it, with --split for {name}-{ink}. The suffix of FILE "
+               "chooses the format, unless --format is given. An existing file is replaced once the answer is "
+               "complete. Without this option, the answer goes to standard output, but only text goes to a terminal.",
            .takes_text = true,
            .letter = 'o'},
     Option{.name = "quiet",
@@ -154,7 +154,7 @@ constexpr auto kGroups = std::to_array<GroupRow>({
     {"Colour", " color palette foreground background "},
     {"Placement", " method quality iterations passes tolerance crease order mesh seed "},
     {"Analysis", " max-frequency spectrum modes "},
-    {"Format and size", " format multipoint width height scale fit gravity antialias width-mm dpi "},
+    {"Format and size", " format multipoint width height scale fit gravity antialias width-mm dpi split "},
     {"Plotters", " paper margin marks style closed pen speed dwell machine dwell-unit pen-down pen-up "},
     {"Devices", " device rotate spot bit-order invert-bits "},
     {"Pixels of a raster", " include calibration "},

@@ -18,6 +18,7 @@
 
 #include "api/json/json_document.h"
 #include "api/map/shapefile_reader.h"
+#include "api/output/archive.h"
 #include "core/base/thread_executor.h"
 #include "server/cli/arguments.h"
 #include "server/cli/console.h"
@@ -53,6 +54,14 @@ tl::unexpected<Failed> wrong_usage(std::string message) {
     return failed(kWrongUsage, {ErrorCode::Malformed, std::move(message), {}});
 }
 
+/// Stands for the name of a file of a split drawing, in the name of an output.
+constexpr std::string_view kInk = "{ink}";
+
+void replace_all(std::string& text, std::string_view placeholder, std::string_view value) {
+    for (std::size_t at = 0; (at = text.find(placeholder, at)) != std::string::npos; at += value.size())
+        text.replace(at, placeholder.size(), value);
+}
+
 /// Returns the name of the output of an input. A folder stands for the files `{name}` in it, with the suffix of the
 /// format. Replaces `{name}` by the name of the input without folder and suffix.
 std::string output_for(const Command& command, const Arguments& arguments, const std::string& input) {
@@ -60,12 +69,11 @@ std::string output_for(const Command& command, const Arguments& arguments, const
     std::error_code missing;
     if (output.ends_with('/') || std::filesystem::is_directory(output, missing)) {
         const auto format = find_format(command, arguments, std::string(kStandardStream));
-        output += (output.ends_with('/') ? "{name}." : "/{name}.") + std::string((*format)->extension);
+        const bool is_split = arguments.find("split") != nullptr;
+        output += std::string(output.ends_with('/') ? "" : "/") + (is_split ? "{name}-{ink}." : "{name}.") +
+                  std::string((*format)->extension);
     }
-    constexpr std::string_view kPlaceholder = "{name}";
-    const std::string name = input == kStandardStream ? "stdin" : std::filesystem::path(input).stem().string();
-    for (std::size_t at = 0; (at = output.find(kPlaceholder, at)) != std::string::npos; at += name.size())
-        output.replace(at, kPlaceholder.size(), name);
+    replace_all(output, "{name}", input == kStandardStream ? "stdin" : std::filesystem::path(input).stem().string());
     return output;
 }
 
@@ -95,6 +103,11 @@ tl::expected<std::vector<Task>, Failed> plan_tasks(const Command& command, const
     std::map<std::string, std::string> input_of;  ///< by position_of() the output
     for (const std::string& input : inputs) {
         const Task task{input, output_for(command, arguments, input)};
+        if (arguments.find("split") != nullptr && task.output.find(kInk) == std::string::npos &&
+            !task.output.ends_with(".zip") && task.output != kStandardStream)
+            return wrong_usage(
+                "--split makes several files: use {ink} in --output, as in 'out/{name}-{ink}.svg', or "
+                "a name that ends with .zip, with --format");
         const api::OutputTarget target = output_target(task.output);
         if (target.is_replaced || target.descriptor >= 0) {
             const auto [other, is_new] = input_of.try_emplace(position_of(target), input);
@@ -162,6 +175,10 @@ public:
 
     /// @returns  exit status
     int run() {
+        const auto split = std::ranges::find(options_, "split", &Option::member);
+        const bool names_ink = arguments_.output.value_or("").find(kInk) != std::string::npos;
+        if (names_ink && split != options_.end() && arguments_.find("split") == nullptr)
+            arguments_.given.push_back({&*split, "ink"});
         auto tasks = plan_tasks(command_, arguments_);
         if (!tasks) return report({}, tasks.error());
         // The decoder starts while options and input are read.
@@ -229,16 +246,24 @@ private:
         const auto request = build_request(command_, arguments, input ? &*input : nullptr);
         if (!request) return failed(status_of(request.error(), options_), request.error());
         input.reset();
+        const bool is_split = task.output.find(kInk) != std::string::npos;
         OutputFile output(task.output, interruption_);
-        auto computed = compute(task, *request, output);
+        auto computed = compute(task, *request, is_split ? nullptr : &output);
+        std::size_t written = output.written();
+        if (computed && is_split) {
+            for (const api::ArchivedFile& file : api::read_archive(computed->body)) {
+                if (auto saved = save(task.output, file); !saved) return failed(kOutputFailed, saved.error());
+                written += file.bytes.size();
+            }
+        }
         if (!computed && sets_format) blame_output(computed.error(), task);
         if (!computed)
             return failed(output.has_failed() ? kOutputFailed : status_of(computed.error(), options_),
                           computed.error());
         const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
         report_notes(task.input, computed->warnings, computed->repaired);
-        messages_.report_result({task.input, task.output, computed->media_type, output.written(), computed->sites,
-                                 taken.count(), computed->dots, computed->plot});
+        messages_.report_result({task.input, task.output, computed->media_type, written, computed->sites, taken.count(),
+                                 computed->dots, computed->plot});
         return {};
     }
 
@@ -264,7 +289,18 @@ private:
                                                      std::to_string(arguments_.memory / kMebibyte) + " MiB");
     }
 
-    Result<api::Answer> compute(const Task& task, const ApiRequest& request, OutputFile& output) {
+    /// Writes a file of a split drawing.
+    /// @param pattern  name of the output, with kInk
+    Result<void> save(std::string pattern, const api::ArchivedFile& file) {
+        replace_all(pattern, kInk, std::filesystem::path(file.name).stem().string());
+        OutputFile output(pattern, interruption_);
+        auto begun = output.begin({});
+        if (begun) begun = output.write(file.bytes);
+        return begun ? output.finish() : begun;
+    }
+
+    /// @param output  receives the answer; null: the answer is returned with its body
+    Result<api::Answer> compute(const Task& task, const ApiRequest& request, OutputFile* output) {
         const auto parsed = parse_request(command_, request, arguments_.limits);
         if (!parsed) return tl::unexpected(parsed.error());
         if (auto checked = check_memory(request.body.size() + (*parsed)->cost().memory); !checked)
@@ -274,13 +310,13 @@ private:
             .progress = [&](const Progress& progress) { messages_.report_progress(task.input, progress.done()); },
             .executor = &threads_};
         api::Timings timings;
-        auto answer = (*parsed)->run(decoding_.functions(), control, timings, &output);
-        if (!answer) return answer;
+        auto answer = (*parsed)->run(decoding_.functions(), control, timings, output);
+        if (!answer || output == nullptr) return answer;
         if (!answer->streamed) {
-            if (auto begun = output.begin(*answer); !begun) return tl::unexpected(begun.error());
-            if (auto written = output.write(answer->body); !written) return tl::unexpected(written.error());
+            if (auto begun = output->begin(*answer); !begun) return tl::unexpected(begun.error());
+            if (auto written = output->write(answer->body); !written) return tl::unexpected(written.error());
         }
-        if (auto finished = output.finish(); !finished) return tl::unexpected(finished.error());
+        if (auto finished = output->finish(); !finished) return tl::unexpected(finished.error());
         return answer;
     }
 

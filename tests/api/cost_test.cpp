@@ -184,6 +184,7 @@ INSTANTIATE_TEST_SUITE_P(
                     SampleCase{"random", R"("sites":200000,"method":"random",)" + kSquare},
                     SampleCase{"csv", R"("sites":200000,"method":"random","format":"csv",)" + kSquare},
                     SampleCase{"geojson", R"("sites":200000,"method":"random","format":"geojson",)" + kSquare},
+                    SampleCase{"split", R"("sites":200000,"method":"random","format":"svg","split":"ink",)" + kSquare},
                     SampleCase{"svg", R"("sites":200000,"method":"random","format":"svg",)" + kSquare},
                     SampleCase{"pdf", R"("sites":200000,"method":"random","format":"pdf","width_mm":300,)" + kSquare},
                     SampleCase{"dxf", R"("sites":200000,"method":"random","format":"dxf","width_mm":300,)" + kSquare},

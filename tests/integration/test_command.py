@@ -390,6 +390,14 @@ class Errors(Folder):
         self.assert_done(run("halftone", PICTURE, "-o", self.folder / "a.nc", "--sites=100", "--width-mm=100"))
         self.assertTrue((self.folder / "a.nc").read_bytes().startswith(b"; 100 dots"))
 
+    def test_inks_can_have_files_of_their_own(self):
+        halftone = ("halftone", PICTURE, "--color=cmyk", "--sites=300", "--width-mm=100")
+        self.assert_done(run(*halftone, "-o", self.folder / "{ink}.svg"))
+        self.assertEqual(self.names(), ["cyan.svg", "magenta.svg", "yellow.svg"])
+        self.assert_done(run(*halftone, "-o", self.folder, "--format=hpgl", "--split=100"))
+        self.assertIn(f"{PICTURE.stem}-black-1.plt", self.names())
+        self.assert_fails(run(*halftone, "-o", self.folder / "x.svg", "--split=ink"), 2, "{ink}")
+
     def test_numbers_can_be_thousands(self):
         sample = ("sample", "--domain", TORUS, "--iterations=0", "--format=csv")
         self.assertEqual(self.assert_done(run(*sample, "--sites=1.2k")), self.assert_done(run(*sample, "--sites=1200")))

@@ -239,6 +239,7 @@ class Options(ContractCase):
              ("/sample", "style"): {"format": "svg"}, ("/sample", "multipoint"): {"format": "geojson"},
              **{(path, option): {"format": "gcode", "style": "spiral", "width_mm": 100}
                 for path in ("/halftone", "/sample") for option in ("speed", "dwell", "machine", "dwell_unit", "pen_down", "pen_up")},
+             **{(path, "split"): {"format": "svg", "width_mm": 100, "style": "stroke"} for path in ("/halftone", "/sample")},
              **{(path, "dpi"): {"format": "png", "width_mm": 10} for path in ("/halftone", "/sample")},
              **{(path, option): {"format": "svg", "paper": "2010x2010"} for path in ("/halftone", "/sample") for option in ("margin", "marks")},
              **{(path, "closed"): {"format": "svg", "style": "path", "width_mm": 100} for path in ("/halftone", "/sample")},
@@ -516,11 +517,12 @@ class Formats(ContractCase):
             words = properties("VolumeRequest")["format"]["enum"][4:] if path == "/sample" else ()
             space = {**VolumeRequests.BODY, "sites": 200, "mesh": True}
             in_space = [self.pose(path, {**space, "format": word}).type for word in words]
-            self.assertEqual(sorted(made + for_devices + for_meshes + in_space), sorted(content))
+            split = [] if path == "/analyze" else [self.pose(path, {**given, "format": "svg", "split": "ink"}).type]
+            self.assertEqual(sorted(made + for_devices + for_meshes + in_space + split), sorted(content))
             body = {option: value for option, value in given.items() if option != "format"}
             for media in in_space:
                 self.assertEqual(self.pose(path, space, "--header", "Accept: " + media).type, media)
-            for media in set(content) - set(for_meshes) - set(in_space):
+            for media in set(content) - set(for_meshes) - set(in_space) - set(split):
                 answer = self.pose(path, device if media in for_devices else body, "--header", "Accept: " + media)
                 self.assertEqual(answer.type.split(";")[0], media)
             for media in for_meshes:

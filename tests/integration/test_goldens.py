@@ -77,7 +77,7 @@ def halftones(formats):
         yield f"sites=1500&{options}", "camera"
         yield f"sites=1500&dots=ink&{options}", "camera"
     for options in ("invert=true", "invert=true&antialias=true", "tone=density", "format=svg&width_mm=200&style=stroke",
-                    "format=svg&paper=a4&marks=true", "format=gcode&width_mm=90&machine=laser&style=spiral",
+                    "format=svg&paper=a4&marks=true", "format=svg&paper=a4&split=ink&color=cmyk", "format=gcode&width_mm=90&machine=laser&style=spiral",
                     "format=json&width_mm=100"):
         yield f"sites=1500&{options}", "camera"
     for form in ("pdf", "hpgl", "gcode", "dxf"):

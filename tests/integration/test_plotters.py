@@ -4,6 +4,7 @@
 import io
 import re
 import unittest
+import zipfile
 import zlib
 from xml.etree import ElementTree
 
@@ -489,6 +490,69 @@ class Paper(PlotterCase):
                             ("?format=svg&paper=a4&margin=105", "margin", "no room"),
                             ("?format=svg&paper=a4&marks=true&margin=3", "marks", "4 mm"),
                             ("?format=svg&paper=a4&width_mm=278", "width_mm", "277 x 190"))
+
+
+class Split(PlotterCase):
+    """Drawings in several files, in a ZIP archive."""
+
+    def made(self, query):
+        answer = self.halftone(CHELSEA, "?sites=900&" + query)
+        self.assertEqual(answer.type, "application/zip")
+        archive = zipfile.ZipFile(io.BytesIO(answer.body))
+        self.assertIsNone(archive.testzip())
+        return {info.filename: archive.read(info) for info in archive.infolist()}, answer
+
+    def test_by_inks_has_the_layers_of_the_whole_drawing(self):
+        for style in ("fill", "stroke"):
+            query = f"color=cmyk&paper=a4&style={style}&format=svg"
+            layers = ElementTree.fromstring(self.halftone(CHELSEA, "?sites=900&" + query).body).findall(SVG + "g")
+            files, _ = self.made(query + "&split=ink")
+            self.assertEqual(list(files), [layer.get(LABEL) + ".svg" for layer in layers])
+            for layer, file in zip(layers, files.values()):
+                root = ElementTree.fromstring(file)
+                self.assertEqual(root.get("viewBox"), "0 0 297 210")
+                if style == "stroke":  # numbers of areas are relative to the number of sites
+                    alone = root.find(SVG + "g")
+                    self.assertEqual([path.get("d") for path in alone.iter(SVG + "path")],
+                                     [path.get("d") for path in layer.iter(SVG + "path")])
+
+    def test_by_time_has_all_strokes_in_files_that_take_at_most_this_time(self):
+        for style in ("stroke", "circles&pen=0.5", "path", "path&closed=true"):
+            with self.subTest(style=style):
+                query = f"palette=red,black&paper=a4&speed=20&dwell=0.2&style={style}&format="
+                files, answer = self.made(query + "gcode&split=2")
+                whole = Grbl(self.halftone(CHELSEA, "?sites=900&" + query + "gcode").body, speed=20)
+                machines = {name: Grbl(file, speed=20) for name, file in files.items()}
+                self.assertGreater(len(machines), 3)
+                for pen, ink in ((1, "red"), (2, "black")):
+                    parts = [machine.pens[1] for name, machine in machines.items() if name.startswith(ink + "-")]
+                    if "path" not in style:
+                        self.assertEqual([stroke for part in parts for stroke in part], whole.pens[pen])
+                        continue
+                    line = parts[0][0]
+                    for (following,) in parts[1:]:
+                        self.assertEqual(line[-1], following[0])
+                        line = line + following[1:]
+                    self.assertEqual([line], whole.pens[pen])
+                for name, file in files.items():
+                    minutes = float(re.search(rb", ([0-9.]+) min", file)[1])
+                    self.assertLessEqual(minutes, 2)
+                self.assertAlmostEqual(float(answer.headers["x-plot-seconds"]),
+                                       sum(60 * float(re.search(rb", ([0-9.]+) min", file)[1]) for file in files.values()),
+                                       delta=3 * len(files) + 1)
+
+    def test_of_a_map_has_files_for_classes(self):
+        land = {"type": "Feature", "properties": {"a/b": 40, "c d": 60}, "geometry":
+                {"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]]}}
+        answer = post_json(self.server, "/sample", {"geometry": land, "classes": ["a/b", "c d"], "format": "svg", "split": "ink"})
+        self.assertEqual(answer.type, "application/zip")
+        self.assertEqual(zipfile.ZipFile(io.BytesIO(answer.body)).namelist(), ["a_b.svg", "c_d.svg"])
+
+    def test_refuses_what_has_no_effect(self):
+        self.assert_refused(("?format=png&split=ink", "split", "svg"), ("?format=json&split=ink", "split", "svg"),
+                            ("?format=svg&split=2", "split", "width_mm"), ("?format=svg&width_mm=90&split=0.5", "split", "1 to 10000"),
+                            ("?format=svg&width_mm=90&split=2&dots=both", "dots", "pen"),
+                            ("?format=hpgl&width_mm=90&split=1&sites=1500&dwell=60", "split", "1000 files"))
 
 
 class Layers(ServerCase):

@@ -16,12 +16,14 @@ Seed = Any
 
 
 class PlotOptions(TypedDict, total=False):
-    """Options of drawings on paper. Lengths are in millimetres."""
+    """Options of drawings on paper. Lengths are in millimetres. With ``split``, a drawing of shapes is saved as a ZIP
+    archive of several files, whatever the suffix of its name."""
 
     width_mm: float
     paper: str
     margin: Union[float, str]
     marks: bool
+    split: Union[str, float]
     dpi: float
     style: str
     closed: bool

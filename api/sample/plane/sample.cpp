@@ -95,6 +95,7 @@ Result<Answer> write_answer(const SampleRequest& request, const PlacedSample& sa
     const Report report{request.run.seed, elapsed,     {}, request.method->name, area.repairs, {},
                         area.warnings,    placed.pitch};
     Answer answer = head_of(format, area, placed);
+    answer.media_type = format.media_type(request.output.drawing);
     Body body(answer, sink, control.stop);
     auto written = write_sample(request, format, area.whole, *page, shifted.empty() ? placed.classes : shifted, report,
                                 control, body);

@@ -164,7 +164,7 @@ Result<void> drawing_rule(const Input& input, const Limits&, Draft& draft) {
 }
 
 /// Options that are members of a JSON body, or parameters if the body is a GeoJSON or TopoJSON document.
-constexpr std::array<OptionRule<Draft>, 35> kOptionRules = {{
+constexpr std::array<OptionRule<Draft>, 36> kOptionRules = {{
     {"sites", read_sites},
     {"per", [](const Input& i, const Limits&, Draft& d) { return read_per(i, d.counting); }},
     {"classes", [](const Input& i, const Limits&, Draft& d) { return assign(d.counting.classes, read_classes(i)); }},
@@ -193,6 +193,7 @@ constexpr std::array<OptionRule<Draft>, 35> kOptionRules = {{
     {"paper", drawing_rule<read_paper>},
     {"margin", drawing_rule<read_margin>},
     {"marks", drawing_rule<read_marks>},
+    {"split", drawing_rule<read_split>},
     {"dpi", drawing_rule<read_dpi>},
     {"style", drawing_rule<read_style>},
     {"closed", drawing_rule<read_closed>},
@@ -478,8 +479,10 @@ Result<SampleRequest> parse_sample(JsonValue root, const std::vector<TextOption>
     errors.add(settle_format(accept, draft));
     const SampleOutput& output = draft.request.output;
     errors.add(draft.request.about_option(check_effects(output.drawing, output.dot.has_value())));
-    if (output.format != nullptr && !draft.request.threshold_mask)
+    if (output.format != nullptr && !draft.request.threshold_mask) {
+        errors.add(draft.request.about_option(output.format->check_kind(output.drawing)));
         errors.add(draft.request.about_option(output.format->check_drawing(output.drawing)));
+    }
     errors.add(settle_width(draft.request));
     if (auto settled = errors.result(); !settled) return tl::unexpected(settled.error());
     return std::move(draft.request);

@@ -14,6 +14,7 @@
 #include "api/output/formats.h"
 #include "api/output/point_drawing.h"
 #include "api/output/point_set.h"
+#include "api/output/split.h"
 #include "api/run/deadline.h"
 #include "core/halftone/inks/overprint.h"
 #include "core/picture/tone.h"
@@ -52,9 +53,10 @@ double radius_of(const SampleRequest& request, const Domain& domain, const Page&
 /// Writes points in the format of a request. Has an operator for each kind of writer that a format can have.
 class Writing {
 public:
-    Writing(const SampleRequest& request, const Page& page, const Report& report, const Palette& palette,
-            const PointSet& points, Body& body, const Control& control)
+    Writing(const SampleRequest& request, const PointFormat& format, const Page& page, const Report& report,
+            const Palette& palette, const PointSet& points, Body& body, const Control& control)
         : request_(request),
+          format_(format),
           page_(page),
           report_(report),
           palette_(palette),
@@ -72,8 +74,9 @@ public:
         const DrawingOptions& drawing = request_.output.drawing;
         auto checked = writer.check(drawing, points_.layers.front().radius, page_, request_.field_of("pen"),
                                     request_.field_of("width_mm"));
-        if (checked) writer.write(points_, palette_, page_, drawing, body_, path_stop_, stop_);
-        return checked;
+        if (!checked) return checked;
+        return request_.about_option(
+            write_drawing(format_, points_, palette_, page_, drawing, body_, path_stop_, stop_));
     }
 
     Result<void> operator()(const RasterWriter& writer) const {
@@ -86,6 +89,7 @@ public:
 
 private:
     const SampleRequest& request_;
+    const PointFormat& format_;
     const Page& page_;
     const Report& report_;
     const Palette& palette_;
@@ -134,7 +138,7 @@ Result<void> write_sample(const SampleRequest& request, const PointFormat& forma
         points.feature_ids = request.features->ids;
         if (!request.features->carried.of_feature.empty()) points.properties = &request.features->carried;
     }
-    const Writing writing(request, page, report, palette, points, body, control);
+    const Writing writing(request, format, page, report, palette, points, body, control);
     auto written = std::visit(writing, format.writer);
     if (auto going = check_stop(stop_of_writing(control, request.on_deadline)); !going) return going;
     return written;
