@@ -429,7 +429,7 @@ TEST(SurfaceCost, BoundsMemoryUsed) {
         const auto request = parse_surface(file, options, "", {});
         ASSERT_TRUE(request) << request.error().message;
         Decode decode;
-        decode.surface = [&](std::string_view, const SurfaceHeader&, const std::stop_token&) {
+        decode.surface = [&soup = soup](std::string_view, const SurfaceHeader&, const std::stop_token&) {
             return Result<SurfaceContents>(SurfaceContents{soup});
         };
         const auto work = [&] {
