@@ -362,6 +362,12 @@ def pixels(file, mode=None):
     return numpy.asarray(image.convert(mode) if mode else image)
 
 
+def colours(picture):
+    """Returns the different colours of a picture (rows, columns, channels of bytes), as tuples."""
+    packed = sum(picture[..., channel].astype(numpy.uint32) << 8 * channel for channel in range(picture.shape[-1]))
+    return {tuple(int(colour).to_bytes(picture.shape[-1], "little")) for colour in numpy.unique(packed)}
+
+
 def flat(level, width=64, height=64):
     return numpy.full((height, width), level, dtype=numpy.uint8)
 

@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import numpy
 from PIL import Image, ImageDraw
 
-from harness import PICTURES, ServerCase, execute, file_of, flat, inside, linear, pixels
+from harness import PICTURES, ServerCase, colours, execute, file_of, flat, inside, linear, pixels
 from seen import LIGHT, ciede2000, lab, seen_light
 
 ASTRONAUT = (PICTURES / "astronaut.png").read_bytes()
@@ -67,8 +67,7 @@ class Tone(ServerCase):
 
     def test_foreground_and_background_are_used(self):
         drawn = self.halftone(CAMERA, "?sites=2000&scale=4&foreground=%23024&background=%23fda").picture("RGB")
-        colours = {tuple(colour) for colour in numpy.unique(drawn.reshape(-1, 3), axis=0).tolist()}
-        self.assertEqual(colours, {(0, 0x22, 0x44), (255, 0xdd, 0xaa)})
+        self.assertEqual(colours(drawn), {(0, 0x22, 0x44), (255, 0xdd, 0xaa)})
 
 
 class BlackAndWhite(ServerCase):
@@ -189,7 +188,7 @@ class Palettes(ServerCase):
                 self.assertLess(self.difference(picture, 2000, 6, "&dots=both" + self.query(count)), 0.6)
 
     def test_photographs_look_no_worse_than_in_ink(self):
-        for count in (1, 2, 3, 4, 6):
+        for count in (1, 3, 6):
             with self.subTest(inks=count):
                 both, ink = (self.difference(ASTRONAUT, 8000, 2, self.query(count) + dots)
                              for dots in ("", "&dots=ink"))
@@ -200,10 +199,10 @@ class Palettes(ServerCase):
         inks = [numpy.array([LIGHT[int(ink[i:i + 2], 16)] for i in (0, 2, 4)]) for ink in self.RISO[:2]]
         paper = LIGHT[[255, 255, 238]]
         expected = [paper, paper * inks[0], paper * inks[1], paper * inks[0] * inks[1]]
-        found = numpy.unique(drawn.reshape(-1, 3), axis=0)
+        found = colours(drawn)
         self.assertLessEqual(len(found), 4)
         for colour in found:
-            self.assertLess(min(abs(LIGHT[colour] - each).max() for each in expected), 0.01, colour)
+            self.assertLess(min(abs(LIGHT[list(colour)] - each).max() for each in expected), 0.01, colour)
 
     def test_lists_have_the_outlines_of_each_ink(self):
         answer = self.halftone(ASTRONAUT, "?sites=900&dots=both&format=json" + self.query(4)).json()
@@ -214,17 +213,10 @@ class Palettes(ServerCase):
             covered = inside(places, [numpy.array(ring) for ring in ink["rings"]]).mean()
             self.assertTrue(0.01 < covered < 0.99, ink["name"])
 
-    def test_svg_looks_like_png(self):
-        query = "?sites=3000&scale=4&antialias=true" + self.query(3)
-        ours = LIGHT[pixels(self.halftone(ASTRONAUT, query).body, "RGB")]
-        theirs = LIGHT[pixels(drawn_by_librsvg(self.halftone(ASTRONAUT, query + "&format=svg").body, ours.shape), "RGB")]
-        self.assertLess(abs(ours.mean((0, 1)) - theirs.mean((0, 1))).max(), 0.02)
-        self.assertLess(numpy.abs(ours - theirs).mean(), 0.05)
-
     def test_svg_has_a_layer_for_each_ink(self):
-        for colours, count in (("&color=cmyk", 3), ("&color=rgb", 3), (self.query(4), 4)):
-            with self.subTest(colours=colours):
-                query = "?sites=500&scale=2" + colours
+        for inks, count in (("&color=cmyk", 3), ("&color=rgb", 3), (self.query(4), 4)):
+            with self.subTest(inks=inks):
+                query = "?sites=500&scale=2" + inks
                 ours = LIGHT[pixels(self.halftone(ASTRONAUT, query + "&antialias=true").body, "RGB")]
                 svg = self.halftone(ASTRONAUT, query + "&format=svg").body
                 self.assertEqual(len(ElementTree.fromstring(svg).findall(SVG + "g")), count)

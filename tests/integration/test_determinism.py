@@ -9,6 +9,7 @@ import numpy
 from harness import PICTURES, Call, Server, ask, file_of, polygon, post_json
 
 CAMERA = (PICTURES / "camera.png").read_bytes()
+CHELSEA = (PICTURES / "chelsea.png").read_bytes()
 Y, X = numpy.mgrid[:1100, :1500]
 WAVES = file_of(127 + 127 * numpy.stack([numpy.sin(X * Y / 1e5), numpy.cos(X / 40), numpy.sin(Y / 9)], axis=-1), "PNG")
 SAMPLE = {"sites": 2000, "seed": 11, "mesh": True, "geometry": polygon("South-Africa-50m.geojson")}
@@ -25,7 +26,7 @@ def everything(server):
         ask(server, "/halftone?sites=3000&seed=5&format=json", data=CAMERA),
         ask(server, "/halftone?sites=3000&seed=5&format=json&dots=both", data=CAMERA),
         ask(server, "/halftone?sites=3000&seed=5&dots=ink", data=CAMERA),
-        ask(server, "/halftone?sites=3000&seed=5&color=rgb", data=CAMERA),
+        ask(server, "/halftone?sites=3000&seed=5&palette=%23c00,%2306c&antialias=true", data=CHELSEA),
         post_json(server, "/sample", SAMPLE),
     ]
     for answer in answers:

@@ -25,12 +25,11 @@ class Levels(ServerCase):
         return self.halftone(data, f"?format=json&quality=draft&{query}").json()["sites"]
 
     def test_photographs(self):
-        queries = ("", "dots=ink", "detail=1", "scale=0.5", "antialias=true", "scale=1", "scale=0.5&antialias=true",
-                   "quality=draft", "quality=best", "detail=0", "format=tiff", "format=webp&antialias=true",
-                   "background=transparent", "dots=ink&antialias=true", "dots=ink&scale=0.5", "dots=ink&detail=1")
+        queries = ("", "dots=ink", "scale=0.5", "detail=1", "scale=0.5&antialias=true", "quality=draft", "quality=best",
+                   "detail=0", "background=transparent", "dots=ink&antialias=true", "dots=ink&detail=1")
         for name in PHOTOGRAPHS:
             data = (PICTURES / name).read_bytes()
-            for query in queries if name == "camera.png" else queries[:4]:
+            for query in queries if name == "camera.png" else queries[:3]:
                 with self.subTest(name=name, query=query):
                     small = "scale=0.5" in query  # where levels are of few pixels
                     self.check(luminance(data), self.halftone(data, "?sites=13000&" + query).body, 13_000,
