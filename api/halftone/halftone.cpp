@@ -60,12 +60,11 @@ struct Draft {
     std::optional<Colour> background;
 };
 
-template <Result<void> (*read)(const Input&, DrawingOptions&)>
-Result<void> drawing_rule(const Input& input, const Limits&, Draft& draft) {
-    return read(input, draft.request.drawing);
+DrawingOptions& drawing_of(Draft& draft) {
+    return draft.request.drawing;
 }
 
-constexpr std::array<OptionRule<Draft>, 40> kRules = {{
+constexpr auto kPictureRules = std::to_array<OptionRule<Draft>>({
     {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.sites, read_sites(i, l)); }},
     {"minutes",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.minutes, read_number(i, kMinutes)); }},
@@ -96,24 +95,14 @@ constexpr std::array<OptionRule<Draft>, 40> kRules = {{
     {"foreground", [](const Input& i, const Limits&, Draft& d) { return assign(d.foreground, read_colour(i)); }},
     {"background",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.background, read_colour_or_none(i)); }},
-    {"width_mm", drawing_rule<read_width_mm>},
-    {"paper", drawing_rule<read_paper>},
-    {"margin", drawing_rule<read_margin>},
-    {"marks", drawing_rule<read_marks>},
-    {"split", drawing_rule<read_split>},
-    {"dpi", drawing_rule<read_dpi>},
-    {"style", drawing_rule<read_style>},
-    {"closed", drawing_rule<read_closed>},
-    {"pen", drawing_rule<read_pen>},
-    {"speed", drawing_rule<read_speed>},
-    {"dwell", drawing_rule<read_dwell>},
-    {"machine", drawing_rule<read_machine>},
-    {"dwell_unit", drawing_rule<read_dwell_unit>},
-    {"pen_down", drawing_rule<read_pen_down>},
-    {"pen_up", drawing_rule<read_pen_up>},
+});
+
+constexpr auto kFormatRules = std::to_array<OptionRule<Draft>>({
     {"format", [](const Input& i, const Limits&,
                   Draft& d) { return assign(d.request.format, read_format(i, halftone_formats())); }},
-}};
+});
+
+constexpr auto kRules = joined(kPictureRules, drawing_rules<Draft, drawing_of>(), kFormatRules);
 
 /// Checks that a request for inks with the mixing Multiply or Add gives no `foreground` and, with Add, no `background`.
 Result<void> check_colours(const Palette& palette, const HalftoneInput& input) {

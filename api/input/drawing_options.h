@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -115,5 +116,34 @@ Result<void> read_dwell_unit(const Input& input, DrawingOptions& options);
 /// characters, such as those that end a line, begin a comment, or are removed from the stream by a controller.
 Result<void> read_pen_down(const Input& input, DrawingOptions& options);
 Result<void> read_pen_up(const Input& input, DrawingOptions& options);
+
+/// Reads an option of drawings into a target.
+/// @tparam drawing_of  returns the options of drawings that the target has
+template <class Target, DrawingOptions& (*drawing_of)(Target&), Result<void> (*read)(const Input&, DrawingOptions&)>
+Result<void> drawing_rule(const Input& input, const Limits&, Target& target) {
+    return read(input, drawing_of(target));
+}
+
+/// Returns the rules of all options of drawings.
+template <class Target, DrawingOptions& (*drawing_of)(Target&)>
+constexpr auto drawing_rules() {
+    return std::to_array<OptionRule<Target>>({
+        {"width_mm", drawing_rule<Target, drawing_of, read_width_mm>},
+        {"paper", drawing_rule<Target, drawing_of, read_paper>},
+        {"margin", drawing_rule<Target, drawing_of, read_margin>},
+        {"marks", drawing_rule<Target, drawing_of, read_marks>},
+        {"split", drawing_rule<Target, drawing_of, read_split>},
+        {"dpi", drawing_rule<Target, drawing_of, read_dpi>},
+        {"style", drawing_rule<Target, drawing_of, read_style>},
+        {"closed", drawing_rule<Target, drawing_of, read_closed>},
+        {"pen", drawing_rule<Target, drawing_of, read_pen>},
+        {"speed", drawing_rule<Target, drawing_of, read_speed>},
+        {"dwell", drawing_rule<Target, drawing_of, read_dwell>},
+        {"machine", drawing_rule<Target, drawing_of, read_machine>},
+        {"dwell_unit", drawing_rule<Target, drawing_of, read_dwell_unit>},
+        {"pen_down", drawing_rule<Target, drawing_of, read_pen_down>},
+        {"pen_up", drawing_rule<Target, drawing_of, read_pen_up>},
+    });
+}
 
 }  // namespace ccdt::api

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -135,6 +136,15 @@ struct OptionRule {
     std::string_view name;
     Result<void> (*read)(const Input& input, const Limits& limits, Target& target);
 };
+
+/// Returns rules one after another.
+template <class Target, std::size_t... kSizes>
+constexpr auto joined(const std::array<OptionRule<Target>, kSizes>&... rules) {
+    std::array<OptionRule<Target>, (kSizes + ...)> all;
+    auto next = all.begin();
+    ((next = std::ranges::copy(rules, next).out), ...);
+    return all;
+}
 
 /// Stores a value in `target`. If there is an error instead of a value, returns the error.
 template <class T, class Value>

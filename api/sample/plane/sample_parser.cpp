@@ -158,13 +158,12 @@ constexpr std::array<OptionRule<Draft>, 8> kShapeRules = {{
     {"avoid", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.region.avoid, read_areas(i)); }},
 }};
 
-template <Result<void> (*read)(const Input&, DrawingOptions&)>
-Result<void> drawing_rule(const Input& input, const Limits&, Draft& draft) {
-    return read(input, draft.request.output.drawing);
+DrawingOptions& drawing_of(Draft& draft) {
+    return draft.request.output.drawing;
 }
 
 /// Options that are members of a JSON body, or parameters if the body is a GeoJSON or TopoJSON document.
-constexpr std::array<OptionRule<Draft>, 36> kOptionRules = {{
+constexpr auto kPointRules = std::to_array<OptionRule<Draft>>({
     {"sites", read_sites},
     {"per", [](const Input& i, const Limits&, Draft& d) { return read_per(i, d.counting); }},
     {"classes", [](const Input& i, const Limits&, Draft& d) { return assign(d.counting.classes, read_classes(i)); }},
@@ -189,33 +188,19 @@ constexpr std::array<OptionRule<Draft>, 36> kOptionRules = {{
     {"mesh", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.run.keep_mesh, read_boolean(i)); }},
     {"order",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.output.order, read_point_order(i)); }},
-    {"width_mm", drawing_rule<read_width_mm>},
-    {"paper", drawing_rule<read_paper>},
-    {"margin", drawing_rule<read_margin>},
-    {"marks", drawing_rule<read_marks>},
-    {"split", drawing_rule<read_split>},
-    {"dpi", drawing_rule<read_dpi>},
-    {"style", drawing_rule<read_style>},
-    {"closed", drawing_rule<read_closed>},
-    {"pen", drawing_rule<read_pen>},
-    {"speed", drawing_rule<read_speed>},
-    {"dwell", drawing_rule<read_dwell>},
-    {"machine", drawing_rule<read_machine>},
-    {"dwell_unit", drawing_rule<read_dwell_unit>},
-    {"pen_down", drawing_rule<read_pen_down>},
-    {"pen_up", drawing_rule<read_pen_up>},
+});
+
+constexpr auto kOutputRules = std::to_array<OptionRule<Draft>>({
     {"width", [](const Input& i, const Limits&,
                  Draft& d) { return assign(d.request.output.width, read_integer(i, 1, kMaxWidth)); }},
     {"dot",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.output.dot, read_number(i, kPositive)); }},
     {"format", [](const Input& i, const Limits&, Draft& d) { return read_any_format(i, d); }},
-}};
+});
 
-constexpr auto kRules = [] {
-    std::array<OptionRule<Draft>, kShapeRules.size() + kOptionRules.size()> rules;
-    std::ranges::copy(kOptionRules, std::ranges::copy(kShapeRules, rules.begin()).out);
-    return rules;
-}();
+constexpr auto kOptionRules = joined(kPointRules, drawing_rules<Draft, drawing_of>(), kOutputRules);
+
+constexpr auto kRules = joined(kShapeRules, kOptionRules);
 
 Result<void> missing_sites(const SampleRequest& request) {
     return failure(ErrorCode::Malformed, "sites is missing", request.field_of("sites"));
