@@ -8,7 +8,8 @@ A mesh is an OBJ file, or one of the shapes sphere, torus, blob, cap (open) and 
 Distances are relative to a hexagonal grid. The power of the lowest Laplace-Beltrami modes is relative to that of random
 points, in decibels. All are means over the seeds 1 to SETS. With --cycodebase, the table has rows of Yuksel's sample
 elimination, which gets five random samples per point. With --mesh, a second table compares triangulations with those of
-CGAL's isotropic remeshing; PROGRAM is ccdt_mesh_quality.
+CGAL's isotropic remeshing; PROGRAM is ccdt_mesh_quality, a
+target that only `cmake --build --preset test --target ccdt_mesh_quality` builds.
 """
 import argparse
 import io
