@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -20,6 +22,7 @@ namespace ccdt::api {
 namespace {
 
 constexpr Interval kFrequencies = {.min = 1, .max = 16};
+constexpr double kMinShare = 0.001;   // least share of the bounding box that is assumed to be covered by polygons
 constexpr double kPixelsPerUnit = 2;  // resolution of a plot as PNG, pixels per user unit
 
 /// A request that is being parsed. Its options have been read, but their combination has not been checked yet.
@@ -28,6 +31,9 @@ struct Draft {
     std::optional<AnySets> points;  ///< one set
     std::optional<AnySets> sets;
     std::optional<std::variant<Rectangle, BoxDomain3>> domain;
+    std::optional<Ring> polygon;
+    std::optional<std::vector<Ring>> holes;
+    std::optional<PolygonInput> geometry;
     std::optional<double> max_frequency;
 };
 
@@ -72,13 +78,16 @@ Result<void> read_domain(const Input& input, std::optional<std::variant<Rectangl
     return assign(domain, read_rectangle(input));
 }
 
-constexpr std::array<OptionRule<Draft>, 6> kRules = {{
+constexpr std::array<OptionRule<Draft>, 9> kRules = {{
     {"points",
      [](const Input& i, const Limits& l, Draft& d) {
          return assign(d.points, read_lists({&i, 1}, l));
      }},
     {"sets", [](const Input& i, const Limits& l, Draft& d) { return assign(d.sets, read_sets(i, l)); }},
     {"domain", [](const Input& i, const Limits&, Draft& d) { return read_domain(i, d.domain); }},
+    {"polygon", [](const Input& i, const Limits&, Draft& d) { return assign(d.polygon, read_ring(i)); }},
+    {"holes", [](const Input& i, const Limits&, Draft& d) { return assign(d.holes, read_rings(i)); }},
+    {"geometry", [](const Input& i, const Limits&, Draft& d) { return assign(d.geometry, read_geometry(i)); }},
     {"spectrum", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.spectrum, read_boolean(i)); }},
     {"max_frequency",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.max_frequency, read_number(i, kFrequencies)); }},
@@ -105,10 +114,10 @@ Result<void> check_count(const AnalyzeRequest& request, const Limits& limits) {
                    request.single ? "/points" : "/sets");
 }
 
-/// Converts the field of an error of core to a JSON Pointer in the request.
+/// Converts the field of an error of analyse() to a JSON Pointer in the request.
 Error located(const AnalyzeRequest& request, Error error) {
     std::string& field = error.field;
-    if (error.code == ErrorCode::Stopped || field == "/domain") return error;  // the latter is of make_domain()
+    if (error.code == ErrorCode::Stopped) return error;
     if (!field.empty() && field.front() != '/') {
         field = pointer_below("", field);
     } else if (request.single) {
@@ -120,14 +129,103 @@ Error located(const AnalyzeRequest& request, Error error) {
     return error;
 }
 
-/// Calls compute(sets, domain...) with the arguments of a function of core.
-template <class Compute>
-auto in_domain(const PlaneSets& given, Compute compute) {
-    return make_domain(given.domain).and_then([&](const Domain& domain) { return compute(given.sets, domain); });
+/// Returns the area of a ring, by the shoelace formula.
+double area_of(const Ring& ring) {
+    double twice = 0;
+    for (std::size_t i = 0; i < ring.size(); ++i)
+        twice += cross(ring[i] - ring[0], ring[(i + 1) % ring.size()] - ring[0]);
+    return std::abs(twice) / 2;
 }
-template <class Compute>
-auto in_domain(const SpaceSets& given, Compute compute) {
-    return compute(given.sets, given.domain.sides, given.domain.periodic);
+
+Box bounds_of(const std::vector<PolygonPart>& parts) {
+    constexpr double kFar = std::numeric_limits<double>::infinity();
+    Box box{{kFar, kFar}, {-kFar, -kFar}};
+    for (const PolygonPart& part : parts) {
+        for (const Point& corner : part.outer) box.include(corner);
+    }
+    return box;
+}
+
+/// Returns the share of the bounding box that polygons cover if they do not overlap; at least kMinShare.
+double share_of_box(const std::vector<PolygonPart>& parts) {
+    const Box box = bounds_of(parts);
+    double area = 0;
+    for (const PolygonPart& part : parts) {
+        area += area_of(part.outer);
+        for (const Ring& hole : part.holes) area -= area_of(hole);
+    }
+    const double share = area / (box.width() * box.height());
+    return share > kMinShare ? std::min(share, 1.0) : kMinShare;
+}
+
+/// Creates the domain of the polygons of a request. Errors: those of Domain::repair(); Unusable for overlaps.
+Result<Domain> make_domain(const PolygonInput& polygon, const std::stop_token& stop) {
+    auto repaired = Domain::repair(polygon.parts, stop);
+    if (!repaired) {
+        repaired.error().field = polygon.pointer_to(repaired.error().field);
+        return tl::unexpected(std::move(repaired.error()));
+    }
+    const Point sides = repaired->domain.unit_bounds().max;
+    const double covered = repaired->domain.unit_area() / (sides.x * sides.y);
+    if (covered < kMinShare / 2)
+        return failure(ErrorCode::Unusable, "the polygons cover less than a thousandth of their extent",
+                       polygon.pointer_to({}));
+    if (covered < share_of_box(polygon.parts) / 2)
+        return failure(ErrorCode::Unusable,
+                       "the polygons overlap too much: they cover less than half of the sum of their areas",
+                       polygon.pointer_to({}));
+    return std::move(repaired->domain);
+}
+
+/// Analyses sets. Errors: those of the domain and of analyse(), located in the request.
+Result<Analysis> analyse_sets(const AnalyzeRequest& request, const PlaneSets& given, const std::stop_token& stop) {
+    const auto domain = given.polygon ? make_domain(*given.polygon, stop) : make_domain(given.domain);
+    if (!domain) return tl::unexpected(domain.error());
+    return analyse(given.sets, *domain, request.options, stop).map_error([&](Error error) {
+        if (given.polygon && error.field == "domain") {
+            error.field = given.polygon->pointer_to({});
+            return error;
+        }
+        return located(request, std::move(error));
+    });
+}
+Result<Analysis> analyse_sets(const AnalyzeRequest& request, const SpaceSets& given, const std::stop_token& stop) {
+    return analyse(given.sets, given.domain.sides, given.domain.periodic, request.options, stop)
+        .map_error([&](Error error) { return located(request, std::move(error)); });
+}
+
+/// Checks sets as far as it takes little time: not in polygons.
+Result<void> check_sets(const AnalyzeRequest& request, const PlaneSets& given) {
+    if (given.polygon) return check_size(*given.polygon);
+    return make_domain(given.domain).and_then([&](const Domain& domain) {
+        return check_analysis(given.sets, domain, request.options).map_error([&](Error error) {
+            return located(request, std::move(error));
+        });
+    });
+}
+Result<void> check_sets(const AnalyzeRequest& request, const SpaceSets& given) {
+    return check_analysis(given.sets, given.domain.sides, given.domain.periodic, request.options)
+        .map_error([&](Error error) { return located(request, std::move(error)); });
+}
+
+/// Moves the polygons of a draft to its sets.
+Result<void> settle_polygon(Draft& draft) {
+    if (draft.holes && !draft.polygon) return failure(ErrorCode::Malformed, "holes needs the member polygon", "/holes");
+    if (!draft.polygon && !draft.geometry) return {};
+    const bool both = draft.polygon && draft.geometry;
+    if (both || draft.domain)
+        return failure(ErrorCode::Malformed, "at most one of polygon, geometry and domain must be given");
+    auto* const plane = std::get_if<PlaneSets>(&draft.request.points);
+    if (plane == nullptr)
+        return failure(ErrorCode::Malformed, "points in polygons must have two coordinates",
+                       draft.polygon ? "/polygon" : "/geometry");
+    PolygonInput& polygon = plane->polygon.emplace();
+    if (draft.geometry) {
+        polygon = *std::move(draft.geometry);
+    } else {
+        polygon.parts.push_back({*std::move(draft.polygon), std::move(draft.holes).value_or(std::vector<Ring>())});
+    }
+    return {};
 }
 
 Result<void> settle_points(Draft& draft, const Limits& limits) {
@@ -150,9 +248,8 @@ Result<void> settle_points(Draft& draft, const Limits& limits) {
         return failure(ErrorCode::Malformed, "domain must have a depth if and only if points have three coordinates",
                        "/domain");
     if (auto checked = check_count(request, limits); !checked) return checked;
-    const auto check = [&](const auto&... given) { return check_analysis(given..., request.options); };
-    return std::visit([&](const auto& given) { return in_domain(given, check); }, request.points)
-        .map_error([&](Error error) { return located(request, std::move(error)); });
+    if (auto settled = settle_polygon(draft); !settled) return settled;
+    return std::visit([&](const auto& given) { return check_sets(request, given); }, request.points);
 }
 
 Result<std::string> write_figures(const AnalyzeRequest& request, const Analysis& analysis) {
@@ -161,8 +258,14 @@ Result<std::string> write_figures(const AnalyzeRequest& request, const Analysis&
 
 Result<std::string> draw_plot(const AnalyzeRequest& request, const Analysis& analysis) {
     const double max_frequency = request.options.max_frequency;
-    if (const auto* const flat = std::get_if<PlaneSets>(&request.points))
-        return plot_spectrum(analysis, flat->sets[0], {flat->domain.width, flat->domain.height}, max_frequency);
+    if (const auto* const flat = std::get_if<PlaneSets>(&request.points)) {
+        if (!flat->polygon)
+            return plot_spectrum(analysis, flat->sets[0], {flat->domain.width, flat->domain.height}, max_frequency);
+        const Box box = bounds_of(flat->polygon->parts);
+        std::vector<Point> points = flat->sets[0];
+        for (Point& p : points) p = p - box.min;
+        return plot_spectrum(analysis, points, {box.width(), box.height()}, max_frequency);
+    }
     const auto& space = std::get<SpaceSets>(request.points);
     return plot_spectrum(analysis, space.sets[0], space.domain.sides, max_frequency);
 }
@@ -203,10 +306,10 @@ Result<AnalyzeRequest> parse_analyze(std::string_view body, std::string_view acc
 
 Result<Answer> run_analyze(const AnalyzeRequest& request, const Control& control, Timings& timings) {
     Stopwatch watch;
-    const auto compute = [&](const auto&... given) { return analyse(given..., request.options, control.stop); };
-    auto analysis = std::visit([&](const auto& given) { return in_domain(given, compute); }, request.points);
+    const auto analysis =
+        std::visit([&](const auto& given) { return analyse_sets(request, given, control.stop); }, request.points);
     timings.optimise = watch.lap();
-    if (!analysis) return tl::unexpected(located(request, std::move(analysis.error())));
+    if (!analysis) return tl::unexpected(analysis.error());
     auto body = request.format->write(request, *analysis);
     timings.encode = watch.lap();
     if (!body) return tl::unexpected(body.error());
@@ -221,7 +324,11 @@ Cost cost_of(const AnalyzeRequest& request) {
             return std::pair(static_cast<double>(given.sets.size()), static_cast<double>(count));
         },
         request.points);
-    const double waves = points * elementary::pow(request.options.max_frequency, is_in_space ? 3 : 2);
+    const auto* const plane = std::get_if<PlaneSets>(&request.points);
+    const bool in_polygons = plane != nullptr && plane->polygon;
+    // Frequencies are those of the bounding box; overlaps may halve the area.
+    const double share = in_polygons ? share_of_box(plane->polygon->parts) / 2 : 1;
+    const double waves = points * elementary::pow(request.options.max_frequency, is_in_space ? 3 : 2) / share;
     // Number of the cells of the grid, and of the parts in which the frequencies are computed.
     const double cells = waves * (is_in_space ? 64 : 16), parts = std::max(2.3 * cells / kMaxCells, 1.0);
     const bool in_parts = cells > kMaxCells;
@@ -229,7 +336,8 @@ Cost cost_of(const AnalyzeRequest& request) {
     const double time = is_in_space ? waves * 1.6 + points * parts * 2.4 : waves * (in_parts ? 0.7 : 0.4);
     const Estimate transforms{bytes, time * sets * kMicrosecond};
     const Estimate others{points * sets * (is_in_space ? 96 : 64), points * sets * kMicrosecond};
-    return total_cost(transforms + others + request.format->cost);
+    const Estimate taper = in_polygons ? Estimate{100e6, 0.7} : Estimate{};
+    return total_cost(transforms + taper + others + request.format->cost);
 }
 
 std::size_t size_of(const AnalyzeRequest& request) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -10,6 +11,7 @@
 
 #include "api/input/domain_reader.h"
 #include "api/input/file_formats.h"
+#include "api/input/polygon_reader.h"
 #include "api/run/estimate.h"
 #include "api/run/options.h"
 #include "core/base/result.h"
@@ -37,6 +39,7 @@ std::vector<std::string_view> analyze_options();
 struct PlaneSets {
     std::vector<std::vector<Point>> sets;
     Rectangle domain{1, 1, true};
+    std::optional<PolygonInput> polygon;        ///< replaces the domain
     static constexpr double kMaxFrequency = 4;  ///< default of max_frequency
 };
 /// Sets of points in space, with their domain.
@@ -61,14 +64,16 @@ struct AnalyzeRequest {
 /// @param accept  the Accept header, empty if there is none; the member `format` takes precedence
 /// Errors: Malformed for invalid JSON, for an unknown or repeated member, for a value of the wrong type or out of
 /// range, and unless exactly one of `points` and `sets` is given; LimitExceeded for more than limits.max_sites points
-/// in total; NotAcceptable if the client accepts none of the formats; those of make_domain() and check_analysis().
+/// in total; NotAcceptable if the client accepts none of the formats; those of make_domain(), of PolygonInput and, with
+/// a domain, of check_analysis().
 /// Error::field is a JSON Pointer.
 Result<AnalyzeRequest> parse_analyze(std::string_view body, std::string_view accept, const Limits& limits);
 
 /// Analyses the points, then writes JSON or draws the plot.
 ///
-/// Errors: Unusable for a spectrum without rings; Stopped; those of drawing a plot. The same request gives the same
-/// bytes.
+/// Polygons are repaired as by /sample. Errors: Unusable for a spectrum without rings, for polygons without area, and
+/// for polygons that cover less than half of the sum of their areas, from which cost_of() estimates; Stopped; those of
+/// analyse() and of drawing a plot. The same request gives the same bytes.
 Result<Answer> run_analyze(const AnalyzeRequest& request, const Control& control, Timings& timings);
 
 /// Estimates the cost of computing an answer, before the computation begins.

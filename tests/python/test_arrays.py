@@ -466,6 +466,20 @@ def test_points_keep_the_mesh_of_an_open_file():
     assert np.array_equal(pickle.loads(pickle.dumps(inside)), inside)
 
 
+def test_analyze_measures_points_in_the_polygons_where_they_were_placed():
+    corners = [[0, 0], [3, 0], [3, 1], [1, 1], [1, 3], [0, 3]]
+    points = ccdt.sample(corners, 2000)
+    analysis = ccdt.analyze(points)
+    assert analysis.low_frequency_power < 0.01
+    assert 0.85 < analysis.mean_distance < 0.95
+    ring = {"type": "Polygon", "coordinates": [[*corners, corners[0]]]}
+    assert np.array_equal(ccdt.analyze(np.asarray(points), ring).power, analysis.power)
+    with pytest.raises(ccdt.Error, match="outside"):
+        ccdt.analyze(points, [[0, 0], [2, 0], [0, 2]])
+    with pytest.raises(ccdt.Error, match="degrees"):
+        ccdt.analyze(ccdt.sample(corners, 20, coordinates="lonlat"))
+
+
 def test_analyze_takes_sets_and_refuses_others():
     sets = np.stack([ccdt.sample(ccdt.Torus(), 64, seed=seed) for seed in range(2)])
     assert ccdt.analyze(sets).sets == 2

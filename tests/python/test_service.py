@@ -244,4 +244,4 @@ def test_options_have_the_names_of_the_tables():
     sides = {"domain", "width", "height", "depth"}
     assert set(_options.all_names(_options.VolumeOptions)) | sides | parameters == set(_core.volume_options()) - hidden
     analyze = set(typing.get_type_hints(ccdt.analyze)) - {"return", "threads", "progress", "modes"}  # modes: of meshes
-    assert analyze | {"sets"} == set(_core.analyze_options()) - hidden
+    assert analyze | {"sets", "polygon", "holes", "geometry"} == set(_core.analyze_options()) - hidden

@@ -12,9 +12,9 @@ import numpy.typing as npt
 from . import _core
 from ._drawing import Drawing, Plotted
 from ._libraries import domain_of, positions_of
-from ._request import array_json, running, surface_request
+from ._request import array_json, region_texts, running, surface_request
 from ._sample import Points
-from .domains import Box, Mesh, Rectangle, Solid, Torus, domain_member, is_in_space, is_mesh_file
+from .domains import Box, Mesh, Rectangle, Solid, Torus, is_in_space, is_mesh_file, region_members
 from .errors import Error
 
 Floats = npt.NDArray[np.float64]
@@ -104,8 +104,9 @@ def analyze(points: Any, domain: Any = None, *, max_frequency: Optional[float] =
     Args:
         points: positions [n, 2] or, in space and on a surface, [n, 3]; in the plane and in space also several sets of
             equal size [sets, n, 2 or 3], whose spectra are averaged.
-        domain: domain of the points: a torus, a rectangle, a box, a :class:`Mesh` or the file of a mesh. By default,
-            that in which :func:`sample` placed the points, or else the unit torus.
+        domain: domain of the points: a torus, a rectangle, a box, a :class:`Mesh`, the file of a mesh, or polygons in
+            the plane as for :func:`sample`. By default, that in which :func:`sample` placed the points, or else the
+            unit torus. In polygons, effects of the border are removed.
         max_frequency: end of the curves, 1 to 16; by default 4, or 2 in space. Not for surfaces.
         spectrum: whether the result has the two-dimensional spectrum. Not for surfaces.
         modes: number of modes of a surface, 1 to 500; 100 by default.
@@ -115,14 +116,16 @@ def analyze(points: Any, domain: Any = None, *, max_frequency: Optional[float] =
     Raises:
         Error: the points or an option are not usable. The message names the option and its limit.
     """
+    system = None
     if domain is None and isinstance(points, Points):
-        domain = points._domain
+        domain, system = points._domain, points._system
     points, domain = positions_of(points), domain_of(domain)
     if isinstance(domain, Solid):
         raise Error("domain must be a box or a torus, because points in a solid cannot be analyzed", field="domain")
     is_surface = isinstance(domain, Mesh) or is_mesh_file(domain)
-    if not (is_surface or domain is None or isinstance(domain, (Torus, Rectangle, Box))):
-        domain = None  # a polygon
+    area = {} if is_surface or domain is None else region_members(domain)
+    if system is not None or "coordinates" in area:
+        raise Error("points in degrees cannot be analyzed; project them and their domain to a plane", field="domain")
     if modes is not None and not is_surface:
         raise Error("modes is only for meshes", field="modes")
     if max_frequency is not None and is_surface:
@@ -141,8 +144,7 @@ def analyze(points: Any, domain: Any = None, *, max_frequency: Optional[float] =
         answer = _core.answer_surface_analyze(mesh, [*options.items()], running(threads, progress))
         return SurfaceAnalysis(json.loads(bytes(answer)))  # type: ignore[call-overload]
     members = {"points" if depth == 2 else "sets": text, "spectrum": json.dumps(bool(spectrum))}
-    if domain is not None:
-        members["domain"] = json.dumps(domain_member(domain))
+    members.update(region_texts(area))
     if max_frequency is not None:
         members["max_frequency"] = repr(float(max_frequency))
     return Analysis(members, json.loads(bytes(_answer(members, threads, progress))))  # type: ignore[call-overload]

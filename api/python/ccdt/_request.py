@@ -194,6 +194,12 @@ def picture_json(source: Any, name: str) -> str:
     return json.dumps({"image": base64.b64encode(read_file(source, name)).decode()})
 
 
+def region_texts(area: Mapping[str, Any]) -> Dict[str, str]:
+    """Writes the members of a request that give its area, as from region_members()."""
+    return {name: points_json(region, name) if name == "polygon" else json_of(region, name)
+            for name, region in area.items()}
+
+
 def sample_body(domain: Any, area: Mapping[str, Any], members: Mapping[str, Any]) -> Tuple[str, bool]:
     """Writes a request for points. Returns it, and whether it contains pictures.
 
@@ -206,8 +212,7 @@ def sample_body(domain: Any, area: Mapping[str, Any], members: Mapping[str, Any]
         members["density"] = density_of(members["density"], domain, {**area, **members})
     elif is_web_mercator(domain) and "coordinates" not in members:
         members["density"] = density_of(ground_of_web_mercator, domain, area)
-    for name, region in area.items():
-        texts[name] = points_json(region, name) if name == "polygon" else json_of(region, name)
+    texts.update(region_texts(area))
     for name, value in members.items():
         if name == "density":
             texts[name] = density_json(value)

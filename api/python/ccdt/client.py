@@ -21,7 +21,7 @@ from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple
 
 from ._files import Path, read_file, write_file
 from ._options import Progress, mesh_texts, texts_of
-from .domains import Mesh, Solid, domain_member, is_mesh_file, jsonable, region_members
+from .domains import Mesh, Solid, is_mesh_file, jsonable, region_members
 from .errors import Error, warn_of
 
 Request = Tuple[str, bytes, str]  # path with query, body, media type
@@ -202,7 +202,8 @@ class Client:
 
         Args:
             points: positions [n, 2] or, in space and on a surface, [n, 3].
-            domain: a torus, a rectangle, a box or the file of a mesh; the unit torus by default.
+            domain: a torus, a rectangle, a box, the file of a mesh, or polygons in the plane as for :meth:`sample`; the
+                unit torus by default.
             preset: as for :meth:`sample`.
             progress: as for :meth:`halftone`.
             **options: members of the body of ``POST /analyze``, such as ``format="png"``; for a mesh, its options.
@@ -284,10 +285,9 @@ def _analyze(points: Any, members: Mapping[str, Any]) -> Request:
     if is_mesh_file(domain):
         return _mesh_request("/analyze", domain, {**members, "points": points, "domain": None})
     if isinstance(domain, (Mesh, Solid)):
-        raise Error("domain must be a torus, a rectangle, a box or the file of a mesh", field="domain")
-    if domain is not None and not isinstance(domain, dict):
-        domain = domain_member(domain)
-    return "/analyze", _body({**members, "points": points, "domain": domain}), "application/json"
+        raise Error("domain must be polygons, a torus, a rectangle, a box or the file of a mesh", field="domain")
+    area = {} if domain is None else region_members(domain)
+    return "/analyze", _body({**members, "domain": None, "points": points, **area}), "application/json"
 
 
 def _mesh_request(path: str, mesh: Any, options: Mapping[str, Any]) -> Request:

@@ -14,9 +14,11 @@
 #include <utility>
 
 #include "core/base/elementary.h"
+#include "core/ccdt/maps/feature_area.h"
 #include "core/ccdt/polish/nonuniform_transform.h"
 #include "core/geometry/axes.h"
 #include "core/geometry/hexagonal_spacing.h"
+#include "core/points/analysis/polygon_taper.h"
 #include "core/points/analysis/spacing.h"
 
 namespace ccdt {
@@ -33,14 +35,27 @@ struct Wave {
     int x, y, z;
 };
 
+/// Returns Hann's window along one axis, scaled such that the mean of its square is 1.
+double hann(double share) {
+    return (1 - elementary::cos(2 * std::numbers::pi * share)) * std::sqrt(2.0 / 3);
+}
+
+/// Returns the Fourier transform of hann().
+double hann_transform(int frequency) {
+    constexpr double kHeights[] = {1, -0.5};
+    return std::abs(frequency) <= 1 ? kHeights[std::abs(frequency)] * std::sqrt(2.0 / 3) : 0;
+}
+
 /// The domain's box, scaled to unit area or volume without changing its shape, and the waves that fit the box.
 /// @tparam P  Point or Point3
 template <class P>
 struct UnitBox {
     P min, max;
     bool periodic;
-    P size = max - min;  ///< sides of the box
-    P sides{};           ///< sides of the box scaled to unit area or volume
+    P size = max - min;                   ///< sides of the box
+    P sides{};                            ///< sides of the box scaled to unit area or volume
+    double content = 1;                   ///< share of the box that the domain covers
+    const PolygonTaper* taper = nullptr;  ///< window of polygons; otherwise, the window is Hann's
 
     UnitBox(const P& lowest, const P& highest, bool is_torus) : min(lowest), max(highest), periodic(is_torus) {
         for_axes([&](std::size_t axis) { along(sides, axis) = along(size, axis) * per_side(1); });
@@ -83,9 +98,27 @@ struct UnitBox {
         return flat;
     }
 
+    /// Returns the weight of a point; 1 on a torus.
+    double weight(const P& share) const {
+        if (taper) return taper->weight({share.x, share.y});
+        double weight = 1;
+        if (!periodic) for_axes([&](std::size_t axis) { weight *= hann(along(share, axis)); });
+        return weight;
+    }
+
+    /// Returns the transform of weight(), of a window.
+    std::complex<double> window(Wave wave) const {
+        if (taper) return taper->transform(wave.x, wave.y);
+        const double flat = hann_transform(wave.x) * hann_transform(wave.y);
+        if constexpr (kAxes<P> == 3) return flat * hann_transform(wave.z);
+        return flat;
+    }
+
     /// Whether a frequency is left out. Frequency 0 measures only the number of points. For a window, all frequencies
     /// in the window's lobe around 0 are left out.
     bool is_excluded(Wave wave) const {
+        constexpr double kLobe = 0.05;  // power at the edge of the lobe, relative to that at 0
+        if (taper) return std::norm(window(wave)) > kLobe * std::norm(window({}));
         const int lobe = periodic ? 0 : 1;
         return std::abs(wave.x) <= lobe && std::abs(wave.y) <= lobe && std::abs(wave.z) <= lobe;
     }
@@ -146,11 +179,23 @@ double middle_density(const std::vector<P>& set, const UnitBox<P>& frame) {
     return static_cast<double>(count) / elementary::pow(1 - 2 * kMargin, kAxes<P>);
 }
 
+/// Returns the density of points in a domain: in polygons the mean, weighted by the taper once there is one.
+template <class P>
+double density_of(const std::vector<P>& set, const UnitBox<P>& frame) {
+    if (frame.taper) {
+        double sum = 0;
+        for (const P& p : set) sum += frame.weight(frame.share_of(p));
+        return sum / frame.window({}).real();
+    }
+    const bool is_window = !frame.periodic && frame.content == 1;
+    return is_window ? middle_density(set, frame) : static_cast<double>(set.size()) / frame.content;
+}
+
 template <class P>
 Result<std::vector<double>> densities_of(Sets<P> sets, const UnitBox<P>& frame) {
     std::vector<double> densities;
     for (std::size_t s = 0; s < sets.size(); ++s) {
-        densities.push_back(frame.periodic ? static_cast<double>(sets[s].size()) : middle_density(sets[s], frame));
+        densities.push_back(density_of(sets[s], frame));
         if (densities.back() > 0) continue;
         return unusable("the middle of the window holds no point", '/' + std::to_string(s));
     }
@@ -185,26 +230,13 @@ Result<Plan> make_plan(Sets<P> sets, const UnitBox<P>& frame, const AnalysisOpti
     return plan;
 }
 
-/// Returns Hann's window along one axis, scaled such that the mean of its square is 1.
-double hann(double share) {
-    return (1 - elementary::cos(2 * std::numbers::pi * share)) * std::sqrt(2.0 / 3);
-}
-
-/// Returns the Fourier transform of hann().
-double hann_transform(int frequency) {
-    constexpr double kHeights[] = {1, -0.5};
-    return std::abs(frequency) <= 1 ? kHeights[std::abs(frequency)] * std::sqrt(2.0 / 3) : 0;
-}
-
 template <class P>
 std::vector<BasicWeightedPoint<P>> weigh(const std::vector<P>& set, const UnitBox<P>& frame) {
     std::vector<BasicWeightedPoint<P>> points;
     points.reserve(set.size());
     for (const P& p : set) {
-        BasicWeightedPoint<P> point{frame.share_of(p)};
-        if (!frame.periodic)
-            frame.for_axes([&](std::size_t axis) { point.weight *= hann(along(point.position, axis)); });
-        points.push_back(point);
+        const P share = frame.share_of(p);
+        points.push_back({share, frame.weight(share)});
     }
     return points;
 }
@@ -318,11 +350,7 @@ private:
     }
 
     void add(Wave wave, std::complex<double> f, double density, double share) {
-        if (!frame_.periodic) {
-            double window = hann_transform(wave.x) * hann_transform(wave.y);
-            if constexpr (kAxes<P> == 3) window *= hann_transform(wave.z);
-            f -= density * window;
-        }
+        if (!frame_.periodic) f -= density * frame_.window(wave);
         const double power = share * std::norm(f);
         powers_.at(wave) += power;
         powers_.at({-wave.x, -wave.y, -wave.z}) += power;
@@ -345,7 +373,18 @@ void add_spacing(const std::vector<P>& set, const UnitBox<P>& frame, double dens
         P& position = points.emplace_back(frame.share_of(p));
         frame.for_axes([&](std::size_t axis) { along(position, axis) *= along(frame.sides, axis); });
     }
-    const Spacing spacing = measure_spacing(points, frame.sides, frame.periodic, stop);
+    Spacing spacing;
+    if constexpr (kAxes<P> == 2) {
+        // Hanisch's estimate: the nearest point of a point may lie beyond the border if the border is nearer.
+        const auto weigh = [&](Point p, double distance) {
+            const bool is_known = frame.taper->depth({p.x / frame.sides.x, p.y / frame.sides.y}) >= distance;
+            return is_known ? 1 / frame.taper->share_at_depth(distance) : 0;
+        };
+        spacing = measure_spacing(points, frame.sides, frame.periodic, stop,
+                                  frame.taper ? WeighDistance(weigh) : WeighDistance());
+    } else {
+        spacing = measure_spacing(points, frame.sides, frame.periodic, stop);
+    }
     const double densest = densest_spacing(density, kAxes<P> == 3);
     const auto sets = static_cast<double>(analysis.sets);
     analysis.min_distance += spacing.min / densest / sets;
@@ -458,8 +497,37 @@ Result<Analysis> analyse_in(const UnitBox<P>& frame, Sets<P> sets, const Analysi
 }
 
 UnitBox<Point> frame_of(const Domain& domain) {
-    assert(domain.is_box());
-    return {domain.bounds().min, domain.bounds().max, domain.is_torus()};
+    const Box& bounds = domain.bounds();
+    UnitBox<Point> frame(bounds.min, bounds.max, domain.is_torus());
+    if (!domain.is_box()) {
+        const Point sides = domain.unit_bounds().max;
+        frame.content = std::min(1.0, domain.unit_area() / (sides.x * sides.y));
+    }
+    return frame;
+}
+
+Result<void> check_inside(Sets<Point> sets, const Domain& domain) {
+    const FeatureArea area(domain, {}, sets[0].size());
+    for (std::size_t s = 0; s < sets.size(); ++s) {
+        for (std::size_t p = 0; p < sets[s].size(); ++p) {
+            if (area.contains(sets[s][p])) continue;
+            return unusable("the point lies outside the polygons, or on their border",
+                            '/' + std::to_string(s) + '/' + std::to_string(p));
+        }
+    }
+    return {};
+}
+
+Result<Analysis> analyse_in_polygons(const Domain& domain, Sets<Point> sets, const AnalysisOptions& options,
+                                     const std::stop_token& stop) {
+    const auto checked = check_analysis(sets, domain, options).and_then([&] { return check_inside(sets, domain); });
+    if (!checked) return tl::make_unexpected(checked.error());
+    const PolygonTaper taper(domain);
+    if (!taper.is_wide_enough())
+        return unusable("the polygons are too narrow, relative to their extent, for an analysis", "domain");
+    UnitBox<Point> frame = frame_of(domain);
+    frame.taper = &taper;
+    return analyse_in(frame, sets, options, stop);
 }
 
 }  // namespace
@@ -474,6 +542,7 @@ Result<void> check_analysis(Sets<Point3> sets, Point3 sides, bool periodic, cons
 
 Result<Analysis> analyse(Sets<Point> sets, const Domain& domain, const AnalysisOptions& options,
                          const std::stop_token& stop) {
+    if (!domain.is_box()) return analyse_in_polygons(domain, sets, options, stop);
     return analyse_in(frame_of(domain), sets, options, stop);
 }
 

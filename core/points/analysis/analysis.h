@@ -70,20 +70,29 @@ struct Analysis {
 /// <= 1 and |j| <= 1 lie under the window's lobe and are left out of curves and means. Distances are not weighted. The
 /// window correlates neighbouring frequencies, so its anisotropy is comparable only to the anisotropy of other windows.
 ///
-/// @param sets    [s][n], at least 1 set of at least 2 points, in the domain's coordinates, inside or on its border
-/// @param domain  a rectangle or a torus
+/// Polygons are windows, too. Their window is PolygonTaper; d is the mean density, weighted by the window, and d times
+/// the polygons' area replaces n. Frequencies (i, j) whose |W|^2 is above a twentieth of that at (0, 0) are left out.
+/// The mean distance is Hanisch's estimate: only points that are nearer to their nearest neighbour than to the border
+/// count, divided by the share of the area that is as far from the border. (The least distance is that of all points.)
+/// So points cut out of a larger pattern have its spectrum and its mean distance. The largest distance from the border
+/// must be at least a few thousandths of the extent.
+///
+/// @param sets    [s][n], at least 1 set of at least 2 points, in the domain's coordinates, inside or, in a box, on its
+///                border
+/// @param domain  any domain
 ///
 /// Errors: Unusable for no sets, too few points, sets of different sizes, a point outside, a window without points in
-/// its middle, or a spectrum without rings; Malformed for an option out of range; LimitExceeded if the transform would
-/// need more than kMaxTransformCells, i.e. max_frequency^2 n above 33 million; Stopped. `field` is the option's name or
-/// a JSON Pointer relative to the sets: /set/point.
-/// Deterministic. The error of the square root of a power is below 1e-9, or 1e-10 sqrt(n) for lattices.
-/// O(s (n + N log N)), with N = 16 max_frequency^2 n cells of 16 bytes. With max_frequency = 4, 16,384 points take
-/// about 0.1 s. If N exceeds kMaxCells (half a gigabyte), the frequencies are divided into parts. Each part is
-/// computed on a grid of at most this size. The points are spread again for each part. With max_frequency = 4, 2
-/// million points take 20 s and 1.7 GB. The memory includes the spectrum, with 2 bytes for each of the N cells.
+/// its middle, polygons that are too narrow (`field` is "domain"), or a spectrum without rings; Malformed for an option
+/// out of range; LimitExceeded if the transform would need more than kMaxTransformCells, i.e. max_frequency^2 n above
+/// 33 million; Stopped. `field` is the option's name or a JSON Pointer relative to the sets: /set/point. Deterministic.
+/// The error of the square root of a power is below 1e-9, or 1e-10 sqrt(n) for lattices. O(s (n + N log N)), with N =
+/// 16 max_frequency^2 n cells of 16 bytes. With max_frequency = 4, 16,384 points take about 0.1 s. If N exceeds
+/// kMaxCells (half a gigabyte), the frequencies are divided into parts. Each part is computed on a grid of at most this
+/// size. The points are spread again for each part. With max_frequency = 4, 2 million points take 20 s and 1.7 GB. The
+/// memory includes the spectrum, with 2 bytes for each of the N cells.
 ///
-/// Sources: Ulichney 1987; Bartlett 1955. Departure: the mean is subtracted from windows.
+/// Sources: Ulichney 1987; Bartlett 1955; for distances in polygons, Hanisch 1984. Departure: the mean is subtracted
+/// from windows.
 Result<Analysis> analyse(std::span<const std::vector<Point>> sets, const Domain& domain, const AnalysisOptions& options,
                          const std::stop_token& stop = {});
 
@@ -96,8 +105,8 @@ Result<Analysis> analyse(std::span<const std::vector<Point>> sets, const Domain&
 Result<Analysis> analyse(std::span<const std::vector<Point3>> sets, Point3 sides, bool periodic,
                          const AnalysisOptions& options, const std::stop_token& stop = {});
 
-/// Checks the points, the domain and the options of an analysis. Errors: those of analyse(), except for Stopped and for
-/// a spectrum without rings. O(points).
+/// Checks the points, the domain and the options of an analysis. Errors: those of analyse(), except for Stopped, a
+/// spectrum without rings, points outside polygons, and narrow polygons. O(points).
 Result<void> check_analysis(std::span<const std::vector<Point>> sets, const Domain& domain,
                             const AnalysisOptions& options);
 Result<void> check_analysis(std::span<const std::vector<Point3>> sets, Point3 sides, bool periodic,

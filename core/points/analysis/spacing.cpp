@@ -122,47 +122,64 @@ double search_around(const Tree<P, kAxes<P>>& tree, std::size_t index, const P& 
 
 /// Returns the least and the mean distance of the points that have a neighbour.
 /// @param nearest  function from the number of a point to the squared distance of its nearest neighbour
-template <class Nearest>
-Spacing summarise(std::size_t count, const std::stop_token& stop, Nearest&& nearest) {
+/// @param weight   function from the number of a point and the distance to the weight in the mean
+template <class Nearest, class Weight>
+Spacing summarise(std::size_t count, const std::stop_token& stop, Nearest&& nearest, Weight&& weight) {
     Spacing spacing{kFar, 0};
+    double weights = 0, weighted = 0, sum = 0;
     std::size_t with_neighbour = 0;
     for (std::size_t i = 0; i < count && !stop.stop_requested(); ++i) {
         const double distance = std::sqrt(nearest(i));
         if (distance == kFar) continue;
         ++with_neighbour;
         spacing.min = std::min(spacing.min, distance);
-        spacing.mean += distance;
+        sum += distance;
+        weights += weight(i, distance);
+        weighted += weight(i, distance) * distance;
     }
-    spacing.mean = with_neighbour > 0 ? spacing.mean / static_cast<double>(with_neighbour) : kFar;
+    spacing.mean = with_neighbour > 0 ? sum / static_cast<double>(with_neighbour) : kFar;
+    if (weights > 0) spacing.mean = weighted / weights;
     return spacing;
 }
 
-template <class P>
-Spacing measure(std::span<const P> points, const P& sides, bool periodic, const std::stop_token& stop) {
+/// The weight of each distance if no distance is weighted.
+template <class Site>
+double unweighted(const Site&, double) {
+    return 0;
+}
+
+template <class P, class Weigh>
+Spacing measure(std::span<const P> points, const P& sides, bool periodic, const std::stop_token& stop, Weigh&& weigh) {
     Tree<P, kAxes<P>> tree(points.size());
     for (const P& p : points) tree.add(p);
     tree.build();
-    return summarise(tree.size(), stop, [&](std::size_t i) {
-        const double best = tree.nearest(tree.site(i), i, kFar);
-        return periodic ? search_around(tree, i, sides, best) : best;
-    });
+    return summarise(
+        tree.size(), stop,
+        [&](std::size_t i) {
+            const double best = tree.nearest(tree.site(i), i, kFar);
+            return periodic ? search_around(tree, i, sides, best) : best;
+        },
+        [&](std::size_t i, double distance) { return weigh(tree.site(i), distance); });
 }
 
 }  // namespace
 
-Spacing measure_spacing(std::span<const Point> points, Point sides, bool periodic, const std::stop_token& stop) {
-    return measure(points, sides, periodic, stop);
+Spacing measure_spacing(std::span<const Point> points, Point sides, bool periodic, const std::stop_token& stop,
+                        const WeighDistance& weigh) {
+    if (weigh) return measure(points, sides, periodic, stop, weigh);
+    return measure(points, sides, periodic, stop, unweighted<Point>);
 }
 
 Spacing measure_spacing(std::span<const Point3> points, Point3 sides, bool periodic, const std::stop_token& stop) {
-    return measure(points, sides, periodic, stop);
+    return measure(points, sides, periodic, stop, unweighted<Point3>);
 }
 
 Spacing measure_spacing(std::span<const Point3> points, std::span<const Point3> normals, const std::stop_token& stop) {
     Tree<Oriented, 3> tree(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) tree.add({points[i], normals[i]});
     tree.build();
-    return summarise(tree.size(), stop, [&](std::size_t i) { return tree.nearest(tree.site(i), i, kFar); });
+    return summarise(
+        tree.size(), stop, [&](std::size_t i) { return tree.nearest(tree.site(i), i, kFar); }, unweighted<std::size_t>);
 }
 
 }  // namespace ccdt

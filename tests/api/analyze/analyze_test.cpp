@@ -46,12 +46,13 @@ std::string lattice(int side) {
 TEST(AnalyzeRequest, HasTheDocumentedDefaults) {
     const auto request = parse('{' + kPoints + '}');
     ASSERT_TRUE(request) << request.error().message;
-    const auto& [sets, domain] = std::get<PlaneSets>(request->points);
+    const auto& [sets, domain, polygon] = std::get<PlaneSets>(request->points);
     ASSERT_EQ(sets.size(), 1U);
     EXPECT_EQ(sets[0][1], (Point{0.6, 0.7}));
     EXPECT_EQ(domain.width, 1);
     EXPECT_EQ(domain.height, 1);
     EXPECT_TRUE(domain.periodic);
+    EXPECT_FALSE(polygon);
     EXPECT_EQ(request->options.max_frequency, 4);
     EXPECT_FALSE(request->spectrum);
     EXPECT_EQ(request->format->file.name, "json");
@@ -61,12 +62,13 @@ TEST(AnalyzeRequest, ReadsEveryMember) {
     const auto request = parse('{' + kSets + R"(,"domain":{"type":"rectangle","width":3,"height":2},"spectrum":true,
         "max_frequency":2.5,"format":"svg"})");
     ASSERT_TRUE(request) << request.error().message;
-    const auto& [sets, domain] = std::get<PlaneSets>(request->points);
+    const auto& [sets, domain, polygon] = std::get<PlaneSets>(request->points);
     ASSERT_EQ(sets.size(), 3U);
     EXPECT_EQ(sets[1][1], (Point{3, 1.5}));
     EXPECT_EQ(domain.width, 3);
     EXPECT_EQ(domain.height, 2);
     EXPECT_FALSE(domain.periodic);
+    EXPECT_FALSE(polygon);
     EXPECT_EQ(request->options.max_frequency, 2.5);
     EXPECT_TRUE(request->spectrum);
     EXPECT_EQ(request->format->file.name, "svg");
@@ -109,6 +111,11 @@ TEST(AnalyzeRequest, LocatesErrorsByJsonPointer) {
         {kSpacePoints + R"(,"domain":{"type":"torus","width":1,"height":1})", "/domain"},
         {R"("points":[[0,0,0],[1,1]])", "/points/1"},
         {R"("sets":[[[0,0,0],[1,1,1]],[[0,0],[1,1]]])", "/sets/1/0"},
+        {kPoints + R"(,"holes":[])", "/holes"},
+        {kPoints + R"(,"polygon":[[0,0],[1]])", "/polygon/1"},
+        {kPoints + R"(,"geometry":{"type":"Point","coordinates":[0,0]})", "/geometry"},
+        {kPoints + R"(,"polygon":[[0,0],[1,0],[0,1]],"domain":{"type":"torus","width":1,"height":1})", ""},
+        {kSpacePoints + R"(,"polygon":[[0,0],[1,0],[0,1]])", "/polygon"},
         {kPoints + R"(,"spectrum":1)", "/spectrum"},
         {kPoints + R"(,"max_frequency":0.5)", "/max_frequency"},
         {kPoints + R"(,"max_frequency":17)", "/max_frequency"},
@@ -195,6 +202,29 @@ TEST(AnalyzeRequest, LocatesPointsThatCannotBeAnalyzed) {
         ASSERT_FALSE(result) << members;
         EXPECT_EQ(result.error().code, ErrorCode::Unusable) << members;
         EXPECT_EQ(result.error().field, field) << members;
+    }
+}
+
+TEST(Analyze, LocatesErrorsOfPolygons) {
+    const std::string polygon = R"(,"polygon":)", triangle = "[[0,0],[4,0],[0,4]]";
+    const std::string points = R"("points":[[0.5,0.5],[0.5,1],[1,0.5],[3,3]])";
+    const std::string part = "[[[0,0],[4,0],[0.2,0.2],[0,4],[0,0]]]";
+    const std::string multi = R"(,"geometry":{"type":"MultiPolygon","coordinates":[)";
+    const std::vector<std::pair<std::string, std::string>> wrong = {
+        {points + polygon + triangle, "/points/3"},
+        {points + polygon + "[[0,0],[1e200,0],[0,1e200]]", "/polygon"},
+        {points + polygon + "[]", "/polygon"},
+        {points + polygon + "[[0,0],[1,1],[2,2]]", "/polygon"},
+        {points + polygon + "[[0,0],[4,4],[4,4.001],[0,0.001]]", "/polygon"},
+        {points + polygon + "[[0,0],[4,4],[4,4.03],[0,0.03]]", "/points/0"},
+        {points + multi + part + ',' + part + ',' + part + "]}", "/geometry/coordinates"},
+    };
+    for (const auto& [members, field] : wrong) {
+        Timings timings;
+        const auto answer = run_analyze(parse('{' + members + '}').value(), {}, timings);
+        ASSERT_FALSE(answer) << members;
+        EXPECT_EQ(answer.error().code, ErrorCode::Unusable) << members;
+        EXPECT_EQ(answer.error().field, field) << members << answer.error().message;
     }
 }
 

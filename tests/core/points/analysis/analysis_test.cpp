@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <fstream>
+#include <iterator>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -13,6 +14,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/random.h"
+#include "core/ccdt/maps/feature_area.h"
+#include "core/ccdt/plane/ccdt.h"
 
 namespace ccdt {
 namespace {
@@ -318,6 +321,84 @@ SpaceSets white_noise(std::size_t sets, std::size_t points, Point3 sides) {
             p = {sides.x * random.uniform(), sides.y * random.uniform(), sides.z * random.uniform()};
     }
     return result;
+}
+
+/// Polygons of different shapes within the unit square: a disc, an L, a star, a square with a hole, and two strips.
+std::vector<std::vector<PolygonPart>> shapes() {
+    Ring disc, star;
+    for (int i = 0; i < 60; ++i) {
+        const double angle = i * std::numbers::pi / 30, radius = i % 12 < 6 ? 0.48 : 0.25;
+        disc.push_back({0.5 + 0.45 * std::cos(angle), 0.5 + 0.45 * std::sin(angle)});
+        if (i % 6 == 3) star.push_back({0.5 + radius * std::cos(angle), 0.5 + radius * std::sin(angle)});
+    }
+    const Ring corner = {{0.05, 0.05}, {0.95, 0.05}, {0.95, 0.4}, {0.4, 0.4}, {0.4, 0.95}, {0.05, 0.95}};
+    const Ring square = {{0.1, 0.1}, {0.9, 0.1}, {0.9, 0.9}, {0.1, 0.9}};
+    const Ring hole = {{0.4, 0.4}, {0.6, 0.4}, {0.6, 0.6}, {0.4, 0.6}};
+    const Ring low = {{0, 0.1}, {1, 0.2}, {1, 0.4}, {0, 0.3}}, high = {{0, 0.6}, {1, 0.7}, {1, 0.9}, {0, 0.8}};
+    return {{{disc, {}}}, {{star, {}}}, {{corner, {}}}, {{square, {hole}}}, {{low, {}}, {high, {}}}};
+}
+
+Set inside(const Set& points, const Domain& domain) {
+    const FeatureArea area(domain);
+    Set kept;
+    std::ranges::copy_if(points, std::back_inserter(kept), [&](Point p) { return area.contains(p); });
+    return kept;
+}
+
+TEST(AnalysisInPolygons, IsThatOfTheLargerPattern) {
+    const Set points = distribute(torus(), Density::uniform(), {.sites = 12'000}).value().points;
+    const Analysis whole = measured({points}, torus());
+    for (const auto& parts : shapes()) {
+        const Domain domain = Domain::create(parts).value();
+        const Analysis part = measured({inside(points, domain)}, domain);
+        // The taper of narrow shapes blurs the spectrum, which rises steeply near the frequency 0.5. Of random points,
+        // the power would be 37 dB larger.
+        EXPECT_NEAR(10 * std::log10(*part.low_frequency_power / *whole.low_frequency_power), 0, 2.5);
+        EXPECT_NEAR(part.mean_distance, whole.mean_distance, 0.005);
+        EXPECT_GE(part.min_distance, 0.95 * whole.min_distance);
+        EXPECT_NEAR(means_of(part).power, means_of(whole).power, 0.02);
+    }
+}
+
+TEST(AnalysisInPolygons, MeasuresWhiteNoiseAsOne) {
+    const Set noise = white_noise(1, 12'000).front();
+    for (const auto& parts : shapes()) {
+        const Domain domain = Domain::create(parts).value();
+        const Analysis part = measured({inside(noise, domain)}, domain);
+        EXPECT_NEAR(means_of(part).power, 1, 0.04);
+        EXPECT_NEAR(*part.low_frequency_power, 1, 0.25);
+        // Expected distance of random points, 1 / (2 sqrt(n)), relative to the hexagonal one.
+        EXPECT_NEAR(part.mean_distance, 0.5 / std::sqrt(2 / std::sqrt(3)), 0.015);
+    }
+}
+
+TEST(AnalysisInPolygons, DoesNotDependOnUnits) {
+    const Set noise = white_noise(1, 500).front();
+    const Ring ring = {{0.1, 0}, {0.9, 0.1}, {0.6, 0.9}};
+    const Domain small = Domain::create({{ring, {}}}).value();
+    const auto scaled = [](Set points) {
+        for (Point& p : points) p = {1e100 * p.x - 3e100, 1e100 * p.y + 1e100};
+        return points;
+    };
+    const Domain large = Domain::create({{scaled(ring), {}}}).value();
+    const Analysis a = measured({inside(noise, small)}, small);
+    const Analysis b = measured({scaled(inside(noise, small))}, large);
+    ASSERT_EQ(a.power.size(), b.power.size());
+    for (std::size_t r = 0; r < a.power.size(); ++r) EXPECT_NEAR(a.power[r], b.power[r], 1e-6);
+    EXPECT_NEAR(a.mean_distance, b.mean_distance, 1e-9);
+}
+
+TEST(AnalysisInPolygons, RefusesPointsOutsideAndNarrowShapes) {
+    const Domain triangle = Domain::create({{{{0, 0}, {1, 0}, {0, 1}}, {}}}).value();
+    const Set points = {{0.1, 0.1}, {0.2, 0.3}, {0.7, 0.7}};
+    const auto outside = analyse(Sets{points}, triangle, {});
+    ASSERT_FALSE(outside);
+    EXPECT_EQ(outside.error().code, ErrorCode::Unusable);
+    EXPECT_EQ(outside.error().field, "/0/2");
+    const Domain needle = Domain::create({{{{0, 0}, {1, 1}, {1, 1.0005}, {0, 0.0005}}, {}}}).value();
+    const auto narrow = analyse(Sets{{{0.5, 0.5001}, {0.6, 0.6001}, {0.7, 0.7001}}}, needle, {});
+    ASSERT_FALSE(narrow);
+    EXPECT_EQ(narrow.error().field, "domain");
 }
 
 TEST(AnalysisInSpace, MeasuresWhiteNoiseAsOneAndIsotropic) {
