@@ -166,6 +166,9 @@ std::string set_boolean(bool& target, std::string_view text) {
 }
 
 std::string set_redis(std::optional<RedisAddress>& target, std::string_view text) {
+#ifdef CCDT_WITHOUT_REDIS
+    return "absent, because this server was built without Redis (CCDT_REDIS)";
+#endif
     auto address = RedisAddress::parse(text);
     if (!address) return address.error().message;
     target = *std::move(address);

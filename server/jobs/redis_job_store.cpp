@@ -517,4 +517,9 @@ Result<JobStore::Load> RedisJobStore::load() {
     return Load{number(0), number(1), number(2)};
 }
 
+std::unique_ptr<JobStore> make_redis_job_store(RedisClient& client, const JobLimits& limits,
+                                               RedisJobStore::Notes notes) {
+    return std::make_unique<RedisJobStore>(client, limits, std::move(notes));
+}
+
 }  // namespace ccdt::server

@@ -94,4 +94,8 @@ private:
     RedisSubscription subscription_;  ///< last, because it uses the other members
 };
 
+/// Creates a RedisJobStore.
+std::unique_ptr<JobStore> make_redis_job_store(RedisClient& client, const JobLimits& limits,
+                                               RedisJobStore::Notes notes);
+
 }  // namespace ccdt::server

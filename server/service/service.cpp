@@ -63,7 +63,7 @@ Result<void> check_folders(const Config& config) {
 /// @param redis  null: jobs are stored in memory or in the data folder
 Result<std::unique_ptr<JobStore>> start_store(const Config& config, RedisClient* redis, const Log& log) {
     if (redis != nullptr)
-        return std::make_unique<RedisJobStore>(
+        return make_redis_job_store(
             *redis, config.jobs,
             RedisJobStore::Notes{.info = [&log](const std::string& note) { log.info(note); },
                                  .warning = [&log](const std::string& note) { log.warning(note); },
