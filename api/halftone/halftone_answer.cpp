@@ -75,6 +75,7 @@ private:
         }
         const bool has_sets = plan_.field && !plan_.field->sets.empty();
         Palette palette = request_.palette;
+        if (palette.paper.transparent && !writer.has_alpha) palette.paper = kWhite;
         if (writer.write_plates != nullptr && palette.mixing == Mixing::Multiply) {
             if (has_sets) rasters = plates_of(rasters);
             if (rasters.size() < palette.inks.size()) take_black_out(rasters);
@@ -90,7 +91,7 @@ private:
 
     Result<std::string> write_picture(const RasterWriter& writer, DotImage picture) const {
         if (request_.may_be_scaled) compensate_enlargement(picture, executor_);
-        return writer.write(picture, request_.drawing.width_mm, stop_);
+        return writer.write(picture, request_.drawing, stop_);
     }
 
     /// Draws the coverage of each ink or, for Dots::Both, of each channel of the field.

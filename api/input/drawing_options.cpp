@@ -120,6 +120,10 @@ Result<void> read_dpi(const Input& input, DrawingOptions& options) {
     return assign(options.dpi, read_number(input, kResolutions));
 }
 
+Result<void> read_jpeg_quality(const Input& input, DrawingOptions& options) {
+    return assign(options.jpeg_quality, read_integer(input, 1, 100));
+}
+
 Result<int> width_in_pixels(const DrawingOptions& options) {
     constexpr double kMillimetresPerInch = 25.4, kMaxWidth = 65'535;
     const double width = std::max(std::round(*options.dpi * *options.width_mm / kMillimetresPerInch), 1.0);

@@ -57,6 +57,7 @@ struct DrawingOptions {
     bool is_split = false;                    ///< whether each ink has a file of its own
     std::optional<double> part_minutes = {};  ///< maximum drawing time of a file; requires `is_split`
     std::optional<double> dpi = {};           ///< pixels per inch of a drawing of pixels
+    std::optional<int> jpeg_quality = {};     ///< 1 to 100, the scale of libjpeg
     bool has_pen = false;      ///< whether the width of the pen is given; it is then the width of the dots of Stroke
     bool closed = false;       ///< whether the line of the style Path ends where it starts
     bool pen_follows = false;  ///< whether the pen is as wide as the picture needs, in the style Path
@@ -94,6 +95,7 @@ Result<void> read_margin(const Input& input, DrawingOptions& options);
 Result<void> read_marks(const Input& input, DrawingOptions& options);
 Result<void> read_split(const Input& input, DrawingOptions& options);
 Result<void> read_dpi(const Input& input, DrawingOptions& options);
+Result<void> read_jpeg_quality(const Input& input, DrawingOptions& options);
 Result<void> read_style(const Input& input, DrawingOptions& options);
 Result<void> read_closed(const Input& input, DrawingOptions& options);
 Result<void> read_pen(const Input& input, DrawingOptions& options);
@@ -134,6 +136,7 @@ constexpr auto drawing_rules() {
         {"marks", drawing_rule<Target, drawing_of, read_marks>},
         {"split", drawing_rule<Target, drawing_of, read_split>},
         {"dpi", drawing_rule<Target, drawing_of, read_dpi>},
+        {"jpeg_quality", drawing_rule<Target, drawing_of, read_jpeg_quality>},
         {"style", drawing_rule<Target, drawing_of, read_style>},
         {"closed", drawing_rule<Target, drawing_of, read_closed>},
         {"pen", drawing_rule<Target, drawing_of, read_pen>},

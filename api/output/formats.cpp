@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <limits>
 
+#include "api/image/jpeg_writer.h"
 #include "api/image/png_writer.h"
 #include "api/image/tiff_writer.h"
 #include "api/image/webp_writer.h"
 #include "api/input/file_formats.h"
+#include "api/output/eps_drawing.h"
 #include "api/output/pdf_drawing.h"
 #include "api/output/plotter_files.h"
 #include "api/output/point_table.h"
@@ -21,10 +23,12 @@ constexpr std::size_t kMinTextBytes = 5;  ///< minimum number of bytes of a site
 constexpr std::size_t kMinFeatureBytes =
     std::string_view(R"({"type":"Feature","properties":{},"geometry":{"type":"Point","coordinates":[0,0]}})").size();
 
+constexpr int kJpegQuality = 90;
 constexpr int kAnySide = std::numeric_limits<int>::max();
 
 constexpr Estimate kNumbersCost{150, 0.3 * kMicrosecond};   ///< cost of a site, as text or in binary
 constexpr Estimate kFeaturesCost{400, 0.5 * kMicrosecond};  ///< cost of a site with its own Feature
+constexpr Estimate kLossyCost{6, 0.02 * kMicrosecond};      ///< cost of a pixel in libjpeg
 constexpr Estimate kColoursCost{16, 0.1 * kMicrosecond};    ///< cost of a pixel in libwebp
 
 void list_csv(const PointSet& points, const Report&, Body& body, const std::stop_token& stop) {
@@ -44,20 +48,43 @@ void plot_points(const PointSet& points, const Palette&, const Page& page, const
     write(plot, body, stop);
 }
 
-constexpr PointFormat kPngPoints{kPng, 0, {}, {}, RasterWriter{kAnySide, false, write_png, nullptr}};
-constexpr PointFormat kTiffPoints{
-    {"tiff", "TIFF", "tiff", "image/tiff", ""}, 0, {}, {}, RasterWriter{kAnySide, true, write_tiff, write_tiff_plates}};
+/// Writes a picture whose only option is its width.
+template <Result<std::string> (&write)(const DotImage&, std::optional<double>, const std::stop_token&)>
+Result<std::string> write_pixels(const DotImage& image, const DrawingOptions& drawing, const std::stop_token& stop) {
+    return write(image, drawing.width_mm, stop);
+}
+
+Result<std::string> write_lossy(const DotImage& image, const DrawingOptions& drawing, const std::stop_token& stop) {
+    return write_jpeg(image, drawing.jpeg_quality.value_or(kJpegQuality), drawing.width_mm, stop);
+}
+
+constexpr PointFormat kPngPoints{kPng, 0, {}, {}, RasterWriter{kAnySide, false, write_pixels<write_png>, nullptr}};
+constexpr PointFormat kJpegPoints{{"jpeg", "JPEG", "jpg", "image/jpeg", ""},
+                                  0,
+                                  {},
+                                  kLossyCost,
+                                  RasterWriter{kMaxJpegSide, false, write_lossy, nullptr, false}};
+constexpr PointFormat kTiffPoints{{"tiff", "TIFF", "tiff", "image/tiff", ""},
+                                  0,
+                                  {},
+                                  {},
+                                  RasterWriter{kAnySide, true, write_pixels<write_tiff>, write_tiff_plates}};
 constexpr PointFormat kWebPPoints{{"webp", "WebP", "webp", "image/webp", ""},
                                   0,
                                   {},
                                   kColoursCost,
-                                  RasterWriter{kMaxWebPSide, false, write_webp, nullptr}};
+                                  RasterWriter{kMaxWebPSide, false, write_pixels<write_webp>, nullptr}};
 constexpr PointFormat kSvgPoints{kSvg, 0, kPathCost, {}, VectorWriter{write_svg, {24, 0.3 * kMicrosecond}}};
 constexpr PointFormat kPdfPoints{{"pdf", "PDF", "pdf", "application/pdf", ""},
                                  0,
                                  kPathCost,
                                  {},
                                  VectorWriter{write_pdf, {40, 0.3 * kMicrosecond}, true}};
+constexpr PointFormat kEpsPoints{{"eps", "EPS", "eps", "application/postscript", ""},
+                                 0,
+                                 kPathCost,
+                                 {},
+                                 VectorWriter{write_eps, {26, 0.3 * kMicrosecond}, true}};
 constexpr PointFormat kHpglPoints{{"hpgl", "HPGL", "plt", "application/vnd.hp-hpgl", ""},
                                   0,
                                   kPathCost,
@@ -96,12 +123,12 @@ constexpr PointFormat kJsonSequence{{"geojsonseq", "GeoJSON text sequence", "geo
 constexpr PointFormat kCsvPoints{kCsv, kMinTextBytes, kNumbersCost, {}, ListWriter{true, list_csv}, true};
 constexpr PointFormat kNpyPoints{kNpy, 2 * sizeof(double), kNumbersCost, {}, ListWriter{true, list_npy}};
 
-constexpr const PointFormat* kHalftoneFormats[] = {&kPngPoints,  &kJsonPoints,  &kSvgPoints,  &kCsvPoints,
-                                                   &kNpyPoints,  &kWebPPoints,  &kTiffPoints, &kPdfPoints,
+constexpr const PointFormat* kHalftoneFormats[] = {&kPngPoints,  &kJsonPoints,  &kSvgPoints,  &kCsvPoints, &kNpyPoints,
+                                                   &kWebPPoints, &kJpegPoints,  &kTiffPoints, &kPdfPoints, &kEpsPoints,
                                                    &kHpglPoints, &kGcodePoints, &kDxfPoints};
-constexpr const PointFormat* kSampleFormats[] = {&kJsonPoints,   &kCsvPoints,  &kGeoJsonPoints, &kJsonLines,
-                                                 &kJsonSequence, &kNpyPoints,  &kSvgPoints,     &kPngPoints,
-                                                 &kPdfPoints,    &kHpglPoints, &kGcodePoints,   &kDxfPoints};
+constexpr const PointFormat* kSampleFormats[] = {
+    &kJsonPoints, &kCsvPoints,  &kGeoJsonPoints, &kJsonLines, &kJsonSequence, &kNpyPoints,   &kSvgPoints,
+    &kPngPoints,  &kJpegPoints, &kPdfPoints,     &kEpsPoints, &kHpglPoints,   &kGcodePoints, &kDxfPoints};
 
 }  // namespace
 
@@ -125,6 +152,8 @@ Result<void> PointFormat::check_kind(const DrawingOptions& drawing) const {
     if (vector() == nullptr && drawing.is_split) return fault("split", kShapes);
     if (raster() == nullptr && drawing.dpi)
         return fault("dpi", " is an option of drawings of pixels only, such as png");
+    if (drawing.jpeg_quality && file.media_type != "image/jpeg")
+        return fault("jpeg_quality", " is an option of jpeg only");
     return {};
 }
 

@@ -53,12 +53,14 @@ struct VectorWriter {
 struct RasterWriter {
     int max_side;       ///< maximum length of a side, in pixels
     bool is_for_print;  ///< whether drawings are by default for printers instead of screens
-    Result<std::string> (&write)(const DotImage& image, std::optional<double> width_mm, const std::stop_token& stop);
+    Result<std::string> (&write)(const DotImage& image, const DrawingOptions& drawing, const std::stop_token& stop);
 
     /// Writes a printing plate for each ink, if the inks have the mixing Multiply. Null: the format stores only the
     /// visible colours.
     Result<std::string> (*write_plates)(std::span<const Raster> plates, std::span<const Ink> inks,
                                         std::optional<double> width_mm, const std::stop_token& stop);
+
+    bool has_alpha = true;  ///< whether paper can be transparent; if not, transparent paper is white
 };
 
 /// Format of an answer with points: a row of the table in formats.cpp. Functions are references, so that a row without
@@ -88,8 +90,8 @@ struct PointFormat {
     /// Whether the same request always gets the same bytes.
     bool repeats() const;
 
-    /// Checks that a request for this format has no options of other kinds of formats: of paper, pixels and files.
-    /// Errors: Malformed; Error::field is the name of an option.
+    /// Checks that a request for this format has no options of other kinds of formats: of paper, pixels and files, and
+    /// of JPEG. Errors: Malformed; Error::field is the name of an option.
     Result<void> check_kind(const DrawingOptions& drawing) const;
 
     /// Checks that a drawing has a width in millimetres if its format or its style needs one.

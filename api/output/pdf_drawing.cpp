@@ -8,11 +8,9 @@
 #include <exception>
 #include <memory>
 #include <new>
-#include <span>
-#include <vector>
+#include <string>
 
-#include "api/output/plot.h"
-#include "api/output/ring_curves.h"
+#include "api/output/shape_drawing.h"
 
 namespace ccdt::api {
 namespace {
@@ -47,24 +45,15 @@ public:
     }
 
     void paper(const Colour& colour, const Box& area) {
-        if (colour.transparent) return;
         cairo_rectangle(context_.get(), area.min.x, area.min.y, area.width(), area.height());
         fill(colour);
     }
 
-    void marks(const Page& page, const Colour& colour) {
-        for (const auto& [from, to] : page.marks()) {
-            move_to(from);
-            line_to(to);
-        }
-        stroke(colour, kMarkWidth);
-    }
+    /// Begins the group of an ink. The shapes of a group are first combined with each other; the result is then mixed
+    /// with what is below.
+    void begin_ink(const std::string&, const Colour&, Mixing) { cairo_push_group(context_.get()); }
 
-    /// Begins a group. The shapes of a group are first combined with each other; the result is then mixed with what is
-    /// below.
-    void begin_group() { cairo_push_group(context_.get()); }
-
-    void end_group(Mixing mixing) {
+    void end_ink(Mixing mixing) {
         cairo_pop_group_to_source(context_.get());
         if (mixing == Mixing::Multiply) cairo_set_operator(context_.get(), CAIRO_OPERATOR_MULTIPLY);
         if (mixing == Mixing::Add) cairo_set_operator(context_.get(), CAIRO_OPERATOR_SCREEN);
@@ -135,87 +124,11 @@ private:
     std::unique_ptr<cairo_t, Release> context_;
 };
 
-/// Maximum number of shapes in a path. Viewers are slow to fill longer paths.
-constexpr std::size_t kChunk = 1'000;
-
-/// Strokes of a pen on a page.
-class PdfStrokes {
-public:
-    PdfStrokes(PdfPage& page, const Pen& pen) : page_(page), pen_(pen) {}
-
-    bool should_continue() const { return page_.should_continue(); }
-
-    void begin(Point at) {
-        page_.move_to(at);
-        page_.line_to(at);  // a line of no length, which is a disc because of the round caps
-        ++count_;
-    }
-
-    void line_to(Point at) { page_.line_to(at); }
-
-    void end() {
-        if (count_ % kChunk == 0) draw();
-    }
-
-    void draw() { page_.stroke(pen_.colour, pen_.width); }
-
-private:
-    PdfPage& page_;
-    const Pen& pen_;
-    std::size_t count_ = 0;
-};
-
-void draw_pen(const Plot& plot, const Pen& pen, PdfPage& page) {
-    if (plot.style != DotStyle::Fill) {
-        PdfStrokes strokes(page, pen);
-        for (const PenRun& run : pen.runs) trace(plot, pen, run, strokes);
-        return strokes.draw();
-    }
-    const PageMapping position(plot.page, plot.page.unit());
-    for (const PenRun& run : pen.runs) {
-        const std::size_t count = run.path.size();
-        for (std::size_t i = 0; i < count && page.should_continue(); ++i) {
-            page.disc(position(run.points[run.path[i]]), pen.radius);
-            if ((i + 1) % kChunk == 0 || i + 1 == count) page.fill(pen.colour);
-        }
-    }
-}
-
-/// Draws the areas of inks. Inks with names are mixed where they overlap.
-void write_areas(const InkAreas& areas, const Palette& palette, const Page& sheet, Body& body,
-                 const std::stop_token& stop) {
-    PdfPage page(sheet.size(), body, stop);
-    page.paper(palette.paper, sheet.drawing());
-    for (std::size_t i = 0; i < areas.inks.size(); ++i) {
-        if (areas.are_named()) page.begin_group();
-        trace_rings(areas.rings[i], sheet.box, PageMapping(sheet, sheet.unit()), page);
-        page.fill_even_odd(areas.inks[i].colour);
-        page.marks(sheet, areas.inks[i].colour);
-        if (areas.are_named()) page.end_group(palette.mixing);
-    }
-    page.finish();
-}
-
-void write_plot(const Plot& plot, const Palette& palette, bool mixes, Body& body, const std::stop_token& stop) {
-    body.set_plot(plot.size());
-    PdfPage page(plot.page.size(), body, stop);
-    if (plot.style == DotStyle::Fill) page.paper(palette.paper, plot.page.drawing());
-    for (const Pen& pen : plot.pens) {
-        if (mixes) page.begin_group();
-        draw_pen(plot, pen, page);
-        page.marks(plot.page, pen.colour);
-        if (mixes) page.end_group(palette.mixing);
-    }
-    page.finish();
-}
-
 }  // namespace
 
 void write_pdf(const PointSet& points, const Palette& palette, const Page& page, const DrawingOptions& drawing,
                Body& body, const std::stop_token& path_stop, const std::stop_token& stop) {
-    const InkAreas* const areas = points.layers.front().areas;
-    if (areas != nullptr) return write_areas(*areas, palette, page, body, stop);
-    write_plot(plot_of(points, page, drawing, path_stop, stop), palette, points.are_named(), body, stop);
+    write_shapes<PdfPage>(points, palette, page, drawing, body, path_stop, stop);
 }
 
 }  // namespace ccdt::api

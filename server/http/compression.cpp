@@ -67,7 +67,8 @@ bool is_compressible(std::string_view media_type) {
     const auto type = ::ccdt::server::media_type(media_type);
     const bool is_text = type.starts_with("text/") || type == "application/json" || type.ends_with("+json") ||
                          type.ends_with("+xml") || type == "application/javascript" ||
-                         type == "application/vnd.hp-hpgl" || type == "image/vnd.dxf";
+                         type == "application/postscript" || type == "application/vnd.hp-hpgl" ||
+                         type == "image/vnd.dxf";
     return is_text && type != "text/event-stream";
 }
 

@@ -224,12 +224,13 @@ TEST(Capabilities, ListVolumesWithDocumentedFormatsAndOptions) {
 TEST(Capabilities, ReportDrawnFormatsAndTheirLargestSize) {
     const Json formats = capabilities().at("halftone").at("formats");
     const auto format = [&](const std::string& name) { return row_of(formats, name); };
-    for (const auto* name : {"png", "svg", "webp", "tiff", "pdf", "hpgl"})
+    for (const auto* name : {"png", "svg", "webp", "jpeg", "tiff", "pdf", "eps", "hpgl"})
         EXPECT_EQ(format(name).at("drawn"), true) << name;
     for (const auto* name : {"json", "csv", "npy"}) EXPECT_EQ(format(name).at("drawn"), false) << name;
     EXPECT_EQ(format("webp").at("max_side"), 16'383);
+    EXPECT_EQ(format("jpeg").at("max_side"), 65'500);
     for (const auto* name : {"png", "svg", "json"}) EXPECT_EQ(format(name).at("max_side"), Json()) << name;
-    for (const auto* name : {"pdf", "hpgl", "gcode", "dxf"})
+    for (const auto* name : {"pdf", "eps", "hpgl", "gcode", "dxf"})
         EXPECT_EQ(format(name).at("needs"), Json::parse(R"(["width_mm"])")) << name;
     EXPECT_EQ(format("svg").at("needs"), Json::array());
 }

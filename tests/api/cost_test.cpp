@@ -268,6 +268,8 @@ INSTANTIATE_TEST_SUITE_P(
         HalftoneCase{"points", {{"sites", "65536"}, {"format", "json"}}},
         HalftoneCase{"webp", {{"sites", "2000"}, {"scale", "8"}, {"format", "webp"}}},
         HalftoneCase{"smooth_webp", {{"sites", "2000"}, {"scale", "8"}, {"format", "webp"}, {"antialias", "true"}}},
+        HalftoneCase{"smooth_jpeg", {{"sites", "2000"}, {"scale", "8"}, {"format", "jpeg"}, {"antialias", "true"}}},
+        HalftoneCase{"best_jpeg", {{"sites", "2000"}, {"scale", "8"}, {"format", "jpeg"}, {"jpeg_quality", "100"}}},
         HalftoneCase{"tiff", {{"sites", "2000"}, {"scale", "8"}, {"format", "tiff"}}, 4.5},
         HalftoneCase{"vectors", {{"sites", "65536"}, {"format", "svg"}, {"scale", "4"}}},
         HalftoneCase{"pdf", {{"sites", "65536"}, {"format", "pdf"}, {"width_mm", "200"}, {"scale", "4"}}},
@@ -370,7 +372,7 @@ TEST(SampleCost, BoundsAnswerSizeFromAbove) {
         check(tiny + R"(,"format":")" + format + '"', 3);
     for (const char* format : {"json", "csv", "geojson", "ndjson", "geojsonseq"})
         check(area + R"(,"format":")" + format + '"', 3);
-    for (const char* format : {"pdf", "hpgl", "gcode", "dxf"})
+    for (const char* format : {"pdf", "eps", "hpgl", "gcode", "dxf"})
         for (const char* style : {"", R"(,"style":"spiral","pen":0.1)"})
             check(tiny + R"(,"width_mm":100,"format":")" + format + '"' + style, 12);
     check(tiny + R"(,"mesh":true)", 3);

@@ -104,6 +104,7 @@ void check_answer(const api::HalftoneRequest& request, const api::Answer& answer
     const std::string_view format = request.format->file.name;
     if (format == "png") return check_signature(answer.body, "\x89PNG\r\n");
     if (format == "webp") return check_signature(answer.body, "RIFF");
+    if (format == "jpeg") return check_signature(answer.body, "\xff\xd8");
     if (format == "tiff") return check_signature(answer.body, "II");
     if (format == "svg") return check_svg(answer.body);
     if (format == "json") return check_points(points_of_json(answer.body), request, answer);

@@ -229,6 +229,7 @@ void check_answer(const api::SampleRequest& request, const api::Answer& answer) 
     };
     const std::string_view format = request.output.format->file.name;
     if (format == "svg") return check_svg(answer.body);
+    if (format == "jpeg") return check_signature(answer.body, "\xff\xd8");
     if (format == "png") return check_signature(answer.body, "\x89PNG\r\n");
     if (format == "json") return check(points_of_json(answer.body));
     if (format == "geojson") return check(points_of_feature(answer.body));

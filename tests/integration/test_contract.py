@@ -218,7 +218,7 @@ class Routes(ContractCase):
                 self.assertEqual(gone.status, 204)
 
 
-NEED_A_WIDTH = [*(("format", name) for name in ("pdf", "hpgl", "gcode", "dxf")),
+NEED_A_WIDTH = [*(("format", name) for name in ("pdf", "eps", "hpgl", "gcode", "dxf")),
                 *(("style", name) for name in ("circles", "spiral", "path"))]
 
 
@@ -241,6 +241,7 @@ class Options(ContractCase):
                 for path in ("/halftone", "/sample") for option in ("speed", "dwell", "machine", "dwell_unit", "pen_down", "pen_up")},
              **{(path, "split"): {"format": "svg", "width_mm": 100, "style": "stroke"} for path in ("/halftone", "/sample")},
              **{(path, "dpi"): {"format": "png", "width_mm": 10} for path in ("/halftone", "/sample")},
+             **{(path, "jpeg_quality"): {"format": "jpeg"} for path in ("/halftone", "/sample")},
              **{(path, option): {"format": "svg", "paper": "2010x2010"} for path in ("/halftone", "/sample") for option in ("margin", "marks")},
              **{(path, "closed"): {"format": "svg", "style": "path", "width_mm": 100} for path in ("/halftone", "/sample")},
              **{(path, "pen"): {"format": "svg", "style": "spiral", "width_mm": 1} for path in ("/halftone", "/sample")},
@@ -343,7 +344,7 @@ class Options(ContractCase):
     def test_have_the_documented_defaults(self):
         others = {"seed": 1, "per": 2, "iterations": 6, "passes": 6, "quality": "best", "dot": 0.5, "detail": 1, "alpha": "linear", "levels": [0.2, 1], "fit": "cover", "gravity": [0, 1],
                   "tone": "perceptual", "foreground": "#123456", "background": "#123456",
-                  "color": "cmyk", "style": "stroke", "closed": True, "margin": 20, "marks": True, "pen": 1, "speed": 50, "dwell": 1, "machine": "marlin", "method": "odt", "mesh": True, "coordinates": "lonlat",
+                  "color": "cmyk", "style": "stroke", "closed": True, "margin": 20, "marks": True, "jpeg_quality": 50, "pen": 1, "speed": 50, "dwell": 1, "machine": "marlin", "method": "odt", "mesh": True, "coordinates": "lonlat",
                   "max_frequency": 5, "spectrum": True, "multipoint": False, "buffer": 0.1, "format": "svg", "domain": {"type": "rectangle", "width": 2, "height": 1}}
         alike = {"on_deadline", "invalid"}  # these make no difference to a request that is valid and in time
         tried = set()

@@ -262,6 +262,22 @@ class Pictures(FormatCase):
                     self.assertEqual(answer.type, "image/" + name)
                     numpy.testing.assert_array_equal(answer.picture("RGBA"), expected)
 
+    def test_jpeg_looks_like_png_on_white_paper(self):
+        for query in ("?sites=800&scale=2", "?sites=500&scale=1&color=cmyk&antialias=true",
+                      "?sites=300&scale=1.5&foreground=%23306&background=transparent&antialias=true"):
+            with self.subTest(query=query):
+                expected = self.dots(query.replace("transparent", "white")).picture("RGB").astype(float)
+                answer = self.dots(query + "&format=jpeg&jpeg_quality=98&width_mm=50")
+                self.assertEqual(answer.type, "image/jpeg")
+                self.assertLess(numpy.abs(answer.picture("RGB") - expected).mean(), 2)
+                image = Image.open(io.BytesIO(answer.body))
+                self.assertAlmostEqual(image.info["dpi"][0], image.width / 50 * 25.4, delta=0.51)
+        sizes = [len(self.dots("?sites=800&format=jpeg" + more).body) for more in ("&jpeg_quality=30", "", "&jpeg_quality=100")]
+        self.assertEqual(sorted(set(sizes)), sizes)
+        self.assert_problem(self.ask("/halftone?sites=9&format=png&jpeg_quality=9", data=CAMERA), 400, "jpeg_quality", "jpeg only")
+        drawn = Image.open(io.BytesIO(post_json(self.server, "/sample", {"sites": 9, "domain": {"type": "torus", "width": 1, "height": 1}, "format": "jpeg"}).body))
+        self.assertEqual((drawn.format, drawn.mode), ("JPEG", "L"))
+
     def test_y_axis_points_up_in_drawings_of_points(self):
         body = {"sites": 300, "polygon": [[0, 0], [4, 0], [2, 4]], "format": "png"}
         dark = (post_json(self.server, "/sample", body).picture("L") < 128).sum(1)

@@ -68,7 +68,7 @@ def halftones(formats):
         yield f"sites=700&{inks}&format={form}", "astronaut"
     for inks, quality in itertools.product(INKS, QUALITIES):
         yield f"sites=900&seed=3&{inks}&quality={quality}", "astronaut"
-    for inks, form in itertools.product(INKS[:3], ("png", "webp", "tiff")):
+    for inks, form in itertools.product(INKS[:3], ("png", "webp", "jpeg", "tiff")):
         yield f"sites=500&{inks}&antialias=true&scale=1.5&format={form}", "astronaut"
     for options in ("", "tone=perceptual", "dot=2.5", "scale=0.5", "scale=3&dot=1", "levels=0.1,0.9,1.2", "detail=0",
                     "foreground=%23204060&background=%23ffeecc", "background=transparent",
@@ -80,7 +80,7 @@ def halftones(formats):
                     "format=svg&paper=a4&marks=true", "format=svg&paper=a4&split=ink&color=cmyk", "format=gcode&width_mm=90&machine=laser&style=spiral",
                     "format=json&width_mm=100"):
         yield f"sites=1500&{options}", "camera"
-    for form in ("pdf", "hpgl", "gcode", "dxf"):
+    for form in ("pdf", "eps", "hpgl", "gcode", "dxf"):
         yield f"sites=700&color=cmyk&dots=ink&width_mm=100&format={form}", "astronaut"
     for form in ("json", "csv", "npy", "svg"):
         yield f"sites=700&seed=2&dots=both&format={form}", "astronaut"

@@ -286,6 +286,17 @@ class Formats(ServerCase):
                     self.assert_dots(numpy.array(dots)[:, :2], numpy.concatenate(inks), 0.01)
                     self.assertEqual(answer.body, self.made(colours, options).body)
 
+    def test_eps(self):
+        for colours, inks in self.inks.items():
+            answer = self.made(colours, "dots=ink&format=eps")
+            self.assertEqual(answer.type, "application/postscript")
+            document = answer.body.decode()
+            dots = re.findall(r"^([\d.]+) ([\d.]+) [\d.]+ d$", document, re.MULTILINE)
+            height = 90 * 300 / 451
+            self.assert_dots([(float(x), height - float(y)) for x, y in dots], numpy.concatenate(inks), 0.01)
+            if colours == "color=cmyk":
+                self.assertEqual(re.findall(r"/Separation\((\w+)", document), ["Cyan", "Magenta", "Yellow", "Black"])
+
     def test_pdf_of_both_sides(self):
         for colours in ("color=gray", "color=cmyk", "color=rgb", "palette=%23f00,%2300f"):
             with self.subTest(colours=colours):

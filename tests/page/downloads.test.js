@@ -35,6 +35,7 @@ shape = shapely.geometry.shape(feature["geometry"])
 print(json.dumps({"valid": shape.is_valid, "points": [[p.x, p.y] for p in shape.geoms], **feature["properties"]}))`,
   png: picture,
   webp: picture,
+  jpg: picture,
   tiff: picture,
   svg: `
 circles = xml.etree.ElementTree.parse(name).findall(".//{http://www.w3.org/2000/svg}circle")

@@ -25,9 +25,9 @@ async function open(address) {
  * properties that a map counts, the pen, which has two fields, and paper, which the page adds to drawings itself.
  */
 const elsewhere = {
-  halftone: ["closed", "dpi", "dwell", "format", "invert", "machine", "margin", "marks", "pen", "split"],
+  halftone: ["closed", "dpi", "dwell", "format", "invert", "jpeg_quality", "machine", "margin", "marks", "pen", "split"],
   devices: [],
-  sample: ["polygon", "holes", "geometry", "classes", "object", "iterations", "mesh", "closed", "dpi", "dwell", "machine", "margin", "marks", "pen", "split"],
+  sample: ["polygon", "holes", "geometry", "classes", "object", "iterations", "mesh", "closed", "dpi", "dwell", "jpeg_quality", "machine", "margin", "marks", "pen", "split"],
   surfaces: ["iterations", "mesh"],
 };
 

@@ -348,7 +348,7 @@ def test_colours_have_inks(cat):
 
 def test_halftones_are_written_in_other_formats(ramp, tmp_path):
     halftone = ccdt.halftone(ramp, 60, width_mm=50)
-    for name in ("a.svg", "a.tif", "a.webp", "a.pdf", "a.csv", "a.json", "a.npy"):
+    for name in ("a.svg", "a.tif", "a.webp", "a.jpg", "a.pdf", "a.eps", "a.csv", "a.json", "a.npy"):
         halftone.save(tmp_path / name)
     assert np.array_equal(np.load(tmp_path / "a.npy")[:, :2], halftone.points)
     with raises("dots", "a pen can only add ink"):

@@ -34,7 +34,7 @@ RULES = (
     (re.compile(r"^lcms2"), ("api/image/colour_profile.cpp",)),
     (re.compile(r"^gif_lib\.h$"), ("api/image/gif_reader.cpp",)),
     (re.compile(r"^libheif/|^libde265/"), ("api/image/heic_reader.cpp",)),
-    (re.compile(r"^jpeglib\.h$"), ("api/image/ink_jpeg.cpp",)),
+    (re.compile(r"^jpeglib\.h$"), ("api/image/ink_jpeg.cpp", "api/image/jpeg_writer.cpp")),
     (re.compile(r"^png\.h$"), ("api/image/png_writer.cpp", "api/python/png_pixels.cpp")),
     (re.compile(r"^tiffio\.h$"), ("api/image/tiff_reader.cpp", "api/image/tiff_writer.cpp")),
     (re.compile(r"^webp/"), ("api/image/webp_writer.cpp",)),

@@ -25,6 +25,7 @@ class PlotOptions(TypedDict, total=False):
     marks: bool
     split: Union[str, float]
     dpi: float
+    jpeg_quality: int
     style: str
     closed: bool
     pen: Union[float, str]

@@ -83,7 +83,7 @@ public:
         std::vector<Raster> rasters;
         for (const InkDots& layer : points_.layers)
             rasters.push_back(draw_points(layer.dots.points, page_, layer.radius, stop_));
-        auto picture = writer.write(overlay(std::move(rasters), palette_, true, stop_), page_.width_mm, stop_);
+        auto picture = writer.write(overlay(std::move(rasters), palette_, true, stop_), request_.output.drawing, stop_);
         return std::move(picture).map([&](std::string&& bytes) { body_.text() = std::move(bytes); });
     }
 

@@ -52,11 +52,13 @@ interface MediaTypes {
   mask16: "image/png";
   masknpy: "application/x-npy";
   webp: "image/webp";
+  jpeg: "image/jpeg";
   tiff: "image/tiff";
   bmp: "image/bmp";
   raw: "application/octet-stream";
   escpos: "application/x-escpos";
   pdf: "application/pdf";
+  eps: "application/postscript";
   hpgl: "application/vnd.hp-hpgl";
   gcode: "text/x-gcode";
   dxf: "image/vnd.dxf";

@@ -13,7 +13,7 @@ const pollInterval = 1;  // s between two requests for the state of a job
 const maxMisses = 30;  // successive failures to reach the server while a job is polled
 const maxSilence = 40;  // s without an event; the server sends one at least every 15 s
 const objects = ["application/json", "application/geo+json"];
-const texts = /^text\/|\+xml$|hpgl$|dxf$|ndjson$|json-seq$/;
+const texts = /^text\/|\+xml$|postscript$|hpgl$|dxf$|ndjson$|json-seq$/;
 
 /** An error response of the server: status, message, and one error for each option at fault. Status 0: no response. */
 export class CcdtError extends Error {

@@ -608,7 +608,8 @@ TEST(PlacedHalftone, KeepsThePathsThatLimitTheTime) {
 
 TEST(HalftoneOptions, ChooseSidesOfDots) {
     const auto dots = [](const Options& options) { return parse(options)->dots; };
-    for (const auto* drawn : {"png", "webp", "tiff", "svg"}) EXPECT_EQ(dots({{"format", drawn}}), Dots::Both) << drawn;
+    for (const auto* drawn : {"png", "webp", "jpeg", "tiff", "svg"})
+        EXPECT_EQ(dots({{"format", drawn}}), Dots::Both) << drawn;
     EXPECT_EQ(dots({{"format", "pdf"}, {"width_mm", "90"}}), Dots::Both);
     for (const auto* plotted : {"hpgl", "gcode", "dxf"})
         EXPECT_EQ(dots({{"format", plotted}, {"width_mm", "90"}}), Dots::Ink) << plotted;
@@ -716,7 +717,7 @@ TEST(HalftoneOptions, OfPlottersHaveTheirDefaultsAndLimits) {
         ASSERT_FALSE(request) << options.front().name;
         EXPECT_EQ(request.error().field, options.front().name);
     }
-    for (const auto* format : {"pdf", "hpgl", "gcode", "dxf"}) {
+    for (const auto* format : {"pdf", "eps", "hpgl", "gcode", "dxf"}) {
         const auto request = parse({{"format", format}});
         ASSERT_FALSE(request) << format;
         EXPECT_EQ(request.error().field, "width_mm");

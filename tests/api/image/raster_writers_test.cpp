@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "api/image/image_codec.h"
+#include "api/image/jpeg_writer.h"
 #include "api/image/png_writer.h"
 #include "api/image/srgb.h"
 #include "api/image/tiff_writer.h"
@@ -62,6 +63,34 @@ TEST(TiffWriter, EqualsThePng) {
 
 TEST(WebPWriter, EqualsThePng) {
     for (const DotImage& image : images()) expect_same(write_webp(image), write_png(image));
+}
+
+TEST(JpegWriter, LooksLikeThePng) {
+    for (const DotImage& image : images()) {
+        if (image.transparent) continue;
+        const auto read = decode_image(*write_jpeg(image, 100), kPixels),
+                   expected = decode_image(*write_png(image), kPixels);
+        ASSERT_TRUE(read) << read.error().message;
+        ASSERT_EQ(read->width, expected->width);
+        ASSERT_EQ(read->height, expected->height);
+        for (std::size_t i = 0; i < read->luminance.size(); ++i)
+            ASSERT_NEAR(read->luminance[i], expected->luminance[i], 0.03) << i;
+    }
+}
+
+TEST(JpegWriter, KeepsEachColourOfAdjacentPixels) {
+    DotImage image{16, 8, false, false, 0, {}, {}};
+    for (int i = 0; i < 16 * 8; ++i)
+        image.pixels.insert(image.pixels.end(), {255, static_cast<std::uint8_t>(i % 2 * 255), 0});
+    const auto read = decode_image(*write_jpeg(image, 100), kPixels);
+    // Red has the luminance 0.2126, and yellow 0.9278. With chroma of half the resolution, these would be nearer.
+    EXPECT_NEAR(read->luminance[4 * 16 + 4], 0.2126, 0.02);
+    EXPECT_NEAR(read->luminance[4 * 16 + 5], 0.9278, 0.02);
+}
+
+TEST(JpegWriter, MakesSmallerFilesOfLowerQuality) {
+    const DotImage image = image_of(grey_raster(40), true);
+    EXPECT_LT(write_jpeg(image, 30)->size(), write_jpeg(image, 90)->size());
 }
 
 /// Returns a picture that is 19 pixels wide, with a palette of so many colours or, for 0, true colours.
@@ -182,8 +211,9 @@ TEST(RasterWriters, StopOnRequest) {
     std::stop_source source;
     source.request_stop();
     for (const DotImage& image : {image_of(grey_raster(40), true), colour_image(0, false)}) {
-        for (const auto& file : {write_png(image, {}, source.get_token()), write_tiff(image, {}, source.get_token()),
-                                 write_webp(image, {}, source.get_token())})
+        for (const auto& file :
+             {write_png(image, {}, source.get_token()), write_tiff(image, {}, source.get_token()),
+              write_webp(image, {}, source.get_token()), write_jpeg(image, 90, {}, source.get_token())})
             EXPECT_EQ(file.error().code, ErrorCode::Stopped);
     }
     const std::vector<Raster> plates = {grey_raster(40)};
@@ -195,6 +225,7 @@ TEST(RasterWriters, AreDeterministic) {
     const DotImage image = image_of(grey_raster(40), true);
     EXPECT_EQ(*write_tiff(image, 10), *write_tiff(image, 10));
     EXPECT_EQ(*write_webp(image), *write_webp(image));
+    EXPECT_EQ(*write_jpeg(image, 90), *write_jpeg(image, 90));
 }
 
 }  // namespace

@@ -622,7 +622,7 @@ TEST(Sample, WritesExtremeNumbers) {
 
 TEST(Sample, DrawsForPlottersAtTheEndsOfRanges) {
     for (const std::string side : {"1e-140", "1", "1e140"}) {
-        for (const std::string format : {"svg", "pdf", "hpgl", "gcode", "dxf"}) {
+        for (const std::string format : {"svg", "pdf", "eps", "hpgl", "gcode", "dxf"}) {
             for (const std::string style : {"fill", "stroke", "circles", "spiral", "path"}) {
                 for (const std::string drawing :
                      {R"("width_mm":1)", R"("width_mm":10000,"dot":5e-324)", R"("width_mm":1,"dot":1e308,"pen":100)",
