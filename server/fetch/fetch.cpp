@@ -17,10 +17,10 @@
 
 #include "api/text/text.h"
 #include "server/fetch/fetch_protocol.h"
+#include "server/http/http_client.h"
 #include "server/http/sockets.h"
 #include "server/processes/child_program.h"
 #include "server/processes/messages.h"
-#include "server/webhooks/http_client.h"
 
 namespace ccdt::server {
 namespace {

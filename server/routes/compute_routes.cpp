@@ -13,6 +13,7 @@
 #include "server/fetch/fetch.h"
 #include "server/http/compression.h"
 #include "server/http/entity_tag.h"
+#include "server/http/http_client.h"
 #include "server/http/trace.h"
 #include "server/pool/body_pipe.h"
 #include "server/requests/answer_headers.h"
@@ -20,7 +21,6 @@
 #include "server/requests/convergence.h"
 #include "server/requests/form.h"
 #include "server/routes/job_routes.h"
-#include "server/webhooks/http_client.h"
 
 namespace ccdt::server {
 namespace {

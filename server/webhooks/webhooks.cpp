@@ -8,8 +8,8 @@
 
 #include "api/image/embedded_image.h"
 #include "server/access/key_ring.h"
+#include "server/http/http_client.h"
 #include "server/requests/digest.h"
-#include "server/webhooks/http_client.h"
 
 namespace ccdt::server {
 namespace {

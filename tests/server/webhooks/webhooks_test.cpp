@@ -12,9 +12,9 @@
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 
+#include "server/http/http_client.h"
 #include "server/http/sockets.h"
 #include "server/jobs/sqlite_job_store.h"
-#include "server/webhooks/http_client.h"
 #include "tests/server/jobs/example_jobs.h"
 #include "tests/server/waiting.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/webhooks/http_client.h"
+#include "server/http/http_client.h"
 
 #include <curl/curl.h>
 #include <sys/socket.h>
