@@ -70,13 +70,9 @@ public:
         return {};
     }
 
-    Result<void> operator()(const VectorWriter& writer) const {
-        const DrawingOptions& drawing = request_.output.drawing;
-        auto checked = writer.check(drawing, points_.layers.front().radius, page_, request_.field_of("pen"),
-                                    request_.field_of("width_mm"));
-        if (!checked) return checked;
+    Result<void> operator()(const VectorWriter&) const {
         return request_.about_option(
-            write_drawing(format_, points_, palette_, page_, drawing, body_, path_stop_, stop_));
+            write_drawing(format_, points_, palette_, page_, request_.output.drawing, body_, path_stop_, stop_));
     }
 
     Result<void> operator()(const RasterWriter& writer) const {
@@ -108,6 +104,11 @@ Result<Page> plan_page(const SampleRequest& request, const PointFormat& format, 
     page.along_path = order.value_or(PointOrder::Path) == PointOrder::Path;
     if (auto placed = request.about_option(place_on_paper(drawing, page)); !placed)
         return tl::unexpected(placed.error());
+    if (const VectorWriter* const shapes = format.vector()) {
+        const double radius = radius_of(request, whole, page);
+        auto checked = shapes->check(drawing, radius, page, request.field_of("pen"), request.field_of("width_mm"));
+        if (!checked) return tl::unexpected(checked.error());
+    }
     const Box& box = page.box;
     const double longer = std::max(box.width(), box.height());
     const RasterWriter* const pixels = format.raster();

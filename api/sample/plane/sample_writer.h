@@ -24,7 +24,8 @@ inline constexpr double kMinDrawingSide = 512;
 inline constexpr double kMaxDrawingSide = 16'384;
 
 /// Plans the page of a drawing. If the request gives no width, the page has at most limits.max_pixels. Errors:
-/// LimitExceeded for a requested width that makes more pixels, and for a side that is longer than the format allows.
+/// LimitExceeded for a requested width that makes more pixels, and for a side that is longer than the format allows;
+/// those of place_on_paper() and VectorWriter::check().
 Result<Page> plan_page(const SampleRequest& request, const PointFormat& format, const Domain& whole,
                        const Limits& limits);
 

@@ -650,6 +650,25 @@ TEST(Sample, DrawsForPlottersAtTheEndsOfRanges) {
     }
 }
 
+TEST(Sample, ChecksPensAndPagesBeforePointsArePlaced) {
+    for (const auto& [more, field] : std::vector<std::pair<std::string, std::string>>{
+             {R"("format":"svg","width_mm":100,"style":"spiral","pen":0.01,"dot":0.4)", "/pen"},
+             {R"("format":"svg","paper":"a4","margin":105)", "/margin"},
+             {R"("format":"dxf","width_mm":10000,"domain":{"type":"rectangle","width":1,"height":1000})",
+              "/width_mm"}}) {
+        const std::string domain = R"("domain":{"type":"rectangle","width":1,"height":1},)";
+        const std::string body =
+            R"({"sites":300,)" + (more.find("domain") == std::string::npos ? domain : "") + more + '}';
+        const auto request = parse_sample(body, {}, "", {});
+        ASSERT_TRUE(request) << request.error().message;
+        Timings timings;
+        const auto refused = run_sample(*request, {}, decode_inline(), {}, timings);
+        ASSERT_FALSE(refused) << body;
+        EXPECT_EQ(refused.error().field, field);
+        EXPECT_EQ(timings.optimise, 0) << body;
+    }
+}
+
 TEST(Sample, DrawsNoNeedlesForPlotters) {
     for (const std::string height : {"1e-9", "1e9"}) {
         const auto result = answer(
