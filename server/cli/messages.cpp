@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "api/json/json_document.h"
+#include "api/output/json_pieces.h"
 #include "api/text/numbers.h"
 
 namespace ccdt::server {
@@ -30,6 +31,12 @@ public:
     void add(std::string_view name, std::size_t value) {
         begin(name);
         line_ += std::to_string(value);
+    }
+
+    void add(std::string_view name, std::span<const std::string> texts) {
+        begin(name);
+        api::append_array(line_, texts,
+                          [](std::string& out, const std::string& text) { api::append_json_text(out, text); });
     }
 
     std::string finish() { return line_ + "}\n"; }
@@ -78,11 +85,12 @@ void Messages::report_progress(std::string_view input, double done) {
 }
 
 void Messages::report_result(const Finished& finished) {
-    const auto& [input, output, media_type, bytes, sites, seconds, dots, plot] = finished;
+    const auto& [input, output, media_type, bytes, sites, seconds, dots, plot, files] = finished;
     if (style_ == Style::Json) {
         JsonLine line("result");
         line.add("input", input);
         line.add("output", output);
+        if (!files.empty()) line.add("files", files);
         line.add("media_type", media_type);
         line.add("bytes", bytes);
         line.add("sites", sites);

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -33,8 +34,9 @@ public:
         std::size_t bytes;
         std::size_t sites;
         double seconds;
-        std::optional<api::DotSize> dots = {};   ///< of a halftone
-        std::optional<api::PlotSize> plot = {};  ///< of a drawing by a plotter
+        std::optional<api::DotSize> dots = {};    ///< of a halftone
+        std::optional<api::PlotSize> plot = {};   ///< of a drawing by a plotter
+        std::span<const std::string> files = {};  ///< files that replace `output`, if there are several
     };
     /// Reports that an answer is complete. As text, the report is printed only on a terminal.
     void report_result(const Finished& finished);

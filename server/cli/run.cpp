@@ -240,9 +240,16 @@ private:
             if (auto converted = convert(*input, arguments); !converted) return converted;
         }
         const bool sets_format = task.output != kStandardStream && arguments.find("format") == nullptr;
-        if (sets_format)
-            arguments.given.push_back(
-                {&*std::ranges::find(options_, "format", &Option::member), std::string(task.format->name)});
+        if (sets_format) {
+            auto added = input && arguments.given.empty() ? add_format(command_, *task.format, *input) : false;
+            if (!added) {
+                blame_output(added.error(), task);
+                return failed(kWrongUsage, added.error());
+            }
+            if (!*added)
+                arguments.given.push_back(
+                    {&*std::ranges::find(options_, "format", &Option::member), std::string(task.format->name)});
+        }
         const auto request = build_request(command_, arguments, input ? &*input : nullptr);
         if (!request) return failed(status_of(request.error(), options_), request.error());
         input.reset();
@@ -250,9 +257,11 @@ private:
         OutputFile output(task.output, interruption_);
         auto computed = compute(task, *request, is_split ? nullptr : &output);
         std::size_t written = output.written();
+        std::vector<std::string> files;
         if (computed && is_split) {
             for (const api::ArchivedFile& file : api::read_archive(computed->body)) {
-                if (auto saved = save(task.output, file); !saved) return failed(kOutputFailed, saved.error());
+                files.push_back(file_of(task.output, file));
+                if (auto saved = save(files.back(), file); !saved) return failed(kOutputFailed, saved.error());
                 written += file.bytes.size();
             }
         }
@@ -263,7 +272,7 @@ private:
         const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
         report_notes(task.input, computed->warnings, computed->repaired);
         messages_.report_result({task.input, task.output, computed->media_type, written, computed->sites, taken.count(),
-                                 computed->dots, computed->plot});
+                                 computed->dots, computed->plot, files});
         return {};
     }
 
@@ -289,11 +298,15 @@ private:
                                                      std::to_string(arguments_.memory / kMebibyte) + " MiB");
     }
 
-    /// Writes a file of a split drawing.
+    /// Returns the name under which a file of a split drawing is written.
     /// @param pattern  name of the output, with kInk
-    Result<void> save(std::string pattern, const api::ArchivedFile& file) {
+    static std::string file_of(std::string pattern, const api::ArchivedFile& file) {
         replace_all(pattern, kInk, std::filesystem::path(file.name).stem().string());
-        OutputFile output(pattern, interruption_);
+        return pattern;
+    }
+
+    Result<void> save(const std::string& name, const api::ArchivedFile& file) {
+        OutputFile output(name, interruption_);
         auto begun = output.begin({});
         if (begun) begun = output.write(file.bytes);
         return begun ? output.finish() : begun;

@@ -188,7 +188,7 @@ class Files(Folder):
         cases = ((2, (PICTURE, OTHER, "-o", self.folder / "a.svg"), f"{OTHER} have the same output"),
                  (2, (PICTURE, OTHER), "have the same output, standard output"),
                  (2, (own, "-o", f"{self.folder}/{{name}}.png"), f"would replace the input {own}"),
-                 (2, (PICTURE, "-o", self.folder / "a.jpg"), ".png, .json, .svg"),
+                 (2, (PICTURE, "-o", self.folder / "a.xyz"), ".png, .json, .svg"),
                  (4, (PICTURE, "-o", self.folder / "no" / "a.svg"), f"{self.folder}/no: No such file or directory"))
         for status, arguments, message in cases:
             with self.subTest(message):
@@ -397,6 +397,23 @@ class Errors(Folder):
         self.assert_done(run(*halftone, "-o", self.folder, "--format=hpgl", "--split=100"))
         self.assertIn(f"{PICTURE.stem}-black-1.plt", self.names())
         self.assert_fails(run(*halftone, "-o", self.folder / "x.svg", "--split=ink"), 2, "{ink}")
+        told = json.loads(run(*halftone, "-o", self.folder / "a {ink}.svg", "--json").stderr.splitlines()[-1])
+        self.assertEqual(told["files"], [f"{self.folder}/a {ink}.svg" for ink in ("cyan", "magenta", "yellow")])
+        self.assertEqual(told["bytes"], sum(pathlib.Path(name).stat().st_size for name in told["files"]))
+
+    def test_suffixes_set_the_format_of_json_bodies(self):
+        body = {"sites": 9, "domain": {"type": "torus", "width": 16, "height": 8}}
+        def made(output, **more):
+            given = {**body, **more}
+            (self.folder / "request.json").write_text(json.dumps({name: each for name, each in given.items() if each}))
+            return run("sample", self.folder / "request.json", "-o", self.folder / output)
+        self.assert_done(made("a.csv"))
+        self.assertTrue((self.folder / "a.csv").read_text().startswith("x,y"))
+        self.assert_done(made("a.png", format="mask16", sites=None))
+        self.assertEqual(Image.open(self.folder / "a.png").size, (16, 8))
+        self.assert_fails(made("b.csv", format="svg"), 2, "b.csv sets --format=csv: the input has the format svg")
+        self.assert_fails(made("b.csv", format="abc"), 2, "abc")
+        self.assertNotIn("b.csv", self.names())
 
     def test_numbers_can_be_thousands(self):
         sample = ("sample", "--domain", TORUS, "--iterations=0", "--format=csv")
@@ -437,14 +454,14 @@ class Errors(Folder):
                       (self.folder / "camera.svg").read_text())
         error = json.loads(run("halftone", PICTURE, "--json", "--scale=x").stderr)
         self.assertEqual((error["status"], error["option"]), (2, "--scale"))
-        error = json.loads(run("halftone", PICTURE, "--json", "-o", "a.jpg").stderr)
-        self.assertEqual((error["status"], error["option"], error["message"][:16]), (2, "--output", "--output a.jpg: "))
+        error = json.loads(run("halftone", PICTURE, "--json", "-o", "a.xyz").stderr)
+        self.assertEqual((error["status"], error["option"], error["message"][:16]), (2, "--output", "--output a.xyz: "))
 
     def test_errors_of_a_format_name_the_output_that_sets_it(self):
         request, output = self.folder / "request.json", self.folder / "x.json"
-        request.write_text('{"sites":17}')
+        request.write_text('{"sites":17,"format":"csv"}')
         result = run("sample", request, "-o", output)
-        self.assert_fails(result, 2, f"ccdt: --output {output} sets --format=json: options must be members")
+        self.assert_fails(result, 2, f"ccdt: --output {output} sets --format=json: the input has the format csv")
         self.assert_fails(run("sample", request, "--format=json"), 2, "ccdt: --format: options must be members")
 
     def test_warnings_are_printed_unless_quiet(self):
