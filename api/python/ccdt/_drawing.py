@@ -80,9 +80,15 @@ class Drawing(Plotted):
 
         Args:
             path: name of the file. It is replaced when all bytes are written, so a failure does not change it.
-            format: name of a format. By default, the extension of the path decides.
+            format: name of a format. By default, the extension of the path decides. A drawing with the option
+                ``split`` is saved as ``.zip``, by default in the format of the request.
         """
-        write_file(path, self._answer(format or format_of(path)))
+        is_archive = os.fspath(path).lower().endswith(".zip")
+        answer = self._answer(format or ("" if is_archive else format_of(path)))
+        if is_archive != (bytes(memoryview(answer)[:4]) == b"PK\3\4"):  # type: ignore[arg-type]
+            raise Error("split makes several files, in an archive: the name of the file must end with .zip"
+                        if not is_archive else ".zip is the extension of drawings with the option split", field="split")
+        write_file(path, answer)
 
     def image(self) -> npt.NDArray[Any]:
         """Returns the drawing as pixels: uint8 [height, width] for greys, or [height, width, 3 or 4] for colours.
