@@ -318,6 +318,7 @@ int TiffPixels::colours() const {
 
 std::vector<std::uint16_t> TiffPixels::channels() const {
     std::vector<std::uint16_t> used;
+    used.reserve(static_cast<std::size_t>(colours()) + 1);
     for (int i = 0; i < colours(); ++i) used.push_back(static_cast<std::uint16_t>(i));
     if (alpha >= 0) used.push_back(static_cast<std::uint16_t>(alpha));
     return used;

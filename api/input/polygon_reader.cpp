@@ -185,7 +185,7 @@ bool PolygonInput::omit(std::string_view kind, const std::string& pointer) {
     return true;
 }
 
-void PolygonInput::append(Source source, std::vector<PolygonPart> geometry, const std::string& pointer) {
+void PolygonInput::append(const Source& source, std::vector<PolygonPart> geometry, const std::string& pointer) {
     const std::size_t before = parts.size();
     bool is_next = false;  // whether the last source has the part before this one
     for (std::size_t i = 0; i < geometry.size(); ++i) {

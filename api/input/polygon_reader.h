@@ -54,7 +54,7 @@ struct PolygonInput {
 
     /// Appends the parts of a geometry, except for parts whose outer ring is empty.
     /// @param pointer  JSON Pointer to the geometry
-    void append(Source source, std::vector<PolygonPart> geometry, const std::string& pointer);
+    void append(const Source& source, std::vector<PolygonPart> geometry, const std::string& pointer);
 
     /// Counts a geometry that has no polygon. Returns false for a kind that is none of those of Omitted.
     bool omit(std::string_view kind, const std::string& pointer);

@@ -56,7 +56,7 @@ public:
     void vertex(Point3, std::size_t) { ++size_.vertices; }
     void colour(const std::array<double, 3>&) {}
     void texture(const std::array<double, 2>&) {}
-    void warn(const char*, std::string, std::size_t = 1) {}
+    void warn(const char*, const std::string&, std::size_t = 1) {}
 
     /// Counts the triangles of a polygon. Errors: Unusable for too many corners.
     Result<void> face(std::span<const std::uint32_t> corners, const FacePlace& position) {

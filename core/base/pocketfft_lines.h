@@ -9,7 +9,7 @@
 #define POCKETFFT_NO_MULTITHREADING
 // pocketfft allocates with aligned_alloc(), and passes sizes that are not multiples of the alignment, which C forbids.
 // The only way to make it use malloc() instead is this macro, although its name is reserved for libc++.
-#define _LIBCPP_HAS_NO_ALIGNED_ALLOCATION
+#define _LIBCPP_HAS_NO_ALIGNED_ALLOCATION  // NOLINT(bugprone-reserved-identifier)
 #include <gemmi/third_party/pocketfft_hdronly.h>
 #undef _LIBCPP_HAS_NO_ALIGNED_ALLOCATION
 

@@ -178,11 +178,13 @@ Result<RepairedArea> Domain::repair_area(const std::vector<PolygonPart>& parts, 
 
 Result<Domain> Domain::enclosed_by(const std::vector<Ring>& rings, const std::stop_token& stop) {
     std::vector<PolygonPart> parts;
+    parts.reserve(rings.size());
     for (const Ring& ring : rings) parts.push_back({ring, {}});
     auto framed = to_frame(parts);
     if (!framed) return tl::unexpected(framed.error());
     auto& [given, frame] = *framed;
     std::vector<Ring> moved;
+    moved.reserve(given.size());
     for (RingInput& ring : given) moved.push_back(std::move(ring.corners));
     auto enclosed = enclosed_together(moved, frame, stop);
     if (!enclosed) return tl::unexpected(enclosed.error());

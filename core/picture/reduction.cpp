@@ -121,7 +121,7 @@ ColourPicture reduced(const ColourPicture& picture, const CellGrid& cells, Execu
     const auto size = static_cast<std::size_t>(cells.columns) * static_cast<std::size_t>(cells.rows);
     const CellMeans all(picture.width, picture.height, cells, executor);
     const auto means = [&](const auto& value) {
-        const auto plane = std::make_shared_for_overwrite<float[]>(size);
+        auto plane = std::make_shared_for_overwrite<float[]>(size);
         all.fill(plane.get(), value);
         return plane;
     };

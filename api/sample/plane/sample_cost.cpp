@@ -190,7 +190,7 @@ std::size_t bytes_of(const FeatureList& features) {
     std::size_t size = features.first_part.size() * sizeof(std::size_t);
     for (const std::string& id : features.ids) size += sizeof(std::string) + id.size();
     for (const auto& values : features.carried.of_feature) {
-        size += sizeof(values);
+        size += sizeof(values);  // NOLINT(bugprone-sizeof-container): without its elements
         for (const auto& each : values) size += sizeof(each) + each.value.size();
     }
     return size;

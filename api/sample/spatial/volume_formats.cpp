@@ -56,7 +56,7 @@ Result<void> with_tetrahedra(const PlacedVolume& placed, Write write) {
 template <class Cell>
 void write_grid(std::span<const Point3> vertices, std::span<const Cell> cells, std::uint8_t type, Body& body,
                 const std::stop_token& stop) {
-    constexpr std::size_t kCorners = sizeof(Cell) / sizeof(std::uint32_t);
+    constexpr std::size_t kCorners = sizeof(Cell) / sizeof(std::uint32_t);  // NOLINT(bugprone-sizeof-expression)
     const std::size_t count = cells.size();
     std::string& out = body.text();
     std::size_t offset = 0;

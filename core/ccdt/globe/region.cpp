@@ -95,10 +95,10 @@ void put_larger_outside(PolygonPart& part) {
 void follow(const Ring& outer, Ring& hole) {
     if (outer.empty() || hole.empty()) return;
     const auto by_longitude = [](Point a, Point b) { return a.x < b.x; };
-    const auto [west, east] = std::ranges::minmax(outer, by_longitude);
-    const auto [least, most] = std::ranges::minmax(hole, by_longitude);
-    if (least.x <= east.x && most.x >= west.x) return;
-    const double shift = longitude_wrap_offset(least.x, west.x);
+    const auto [west, east] = std::ranges::minmax_element(outer, by_longitude);
+    const auto [least, most] = std::ranges::minmax_element(hole, by_longitude);
+    if (least->x <= east->x && most->x >= west->x) return;
+    const double shift = longitude_wrap_offset(least->x, west->x);
     for (Point& p : hole) p.x += shift;
 }
 

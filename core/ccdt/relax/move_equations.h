@@ -74,7 +74,7 @@ struct LaneRings {
     /// @param least  least doubled area
     CCDT_INLINE auto fit(typename Lanes::Numbers by_x, typename Lanes::Numbers by_y, double least) const {
         const Pairs move_x = Lanes::twice(by_x), move_y = Lanes::twice(by_y);
-        auto fits = move_x == move_x;
+        auto fits = move_x == move_x;  // NOLINT(misc-redundant-expression): true in all lanes
         for (std::size_t i = 0; i < kPairs; ++i) {
             const Pairs moved = area[i] + a[i] * move_x + b[i] * move_y;
             fits &= (area[i] == Pairs{}) | ((moved >= kKeptShare * area[i]) & (moved >= least + Pairs{}));

@@ -165,6 +165,7 @@ private:
         std::vector<SurfacePoint> chosen;
         if (points.empty()) return chosen;
         std::vector<Point3> positions;
+        positions.reserve(points.size());
         for (const SurfacePoint& point : points) positions.push_back(surface_.position(point));
         const BasicCellList<Point3> cells(positions);
         std::vector<std::uint8_t> is_chosen(points.size(), 0);
@@ -195,6 +196,7 @@ private:
                                               const std::vector<SurfacePoint>& fixed) const {
         if (sites.size() == options_.sites) return sites;
         std::vector<Point3> positions;
+        positions.reserve(sites.size());
         for (const SurfacePoint& site : sites) positions.push_back(surface_.position(site));
         const BasicCellList<Point3> cells(positions);
         std::vector<std::uint8_t> is_removed(sites.size(), 0);

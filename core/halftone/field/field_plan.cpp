@@ -281,6 +281,7 @@ std::vector<unsigned> useful_sets(const LightPlanes& light, const InkSet& inks, 
     std::vector<std::size_t> chosen = {0, all.size() - 1};
     while (chosen.size() < kMaxInkSets) {
         std::vector<unsigned> sets;
+        sets.reserve(chosen.size());
         for (const std::size_t j : chosen) sets.push_back(all[j]);
         const InkMixture mixture(inks, sets);
         std::vector<std::vector<double>> gains(wanted.size(), std::vector<double>(all.size()));
@@ -308,6 +309,7 @@ std::vector<unsigned> useful_sets(const LightPlanes& light, const InkSet& inks, 
     }
     std::ranges::sort(chosen);
     std::vector<unsigned> sets;
+    sets.reserve(chosen.size());
     for (const std::size_t j : chosen) sets.push_back(all[j]);
     return sets;
 }

@@ -57,7 +57,7 @@ Matrices assemble(std::span<const Point3> vertices, std::span<const std::array<s
     Matrices matrices{Sparse(size, size), Sparse(size, size)};
     matrices.stiffness.setFromTriplets(stiffness.begin(), stiffness.end());
     matrices.mass.setFromTriplets(mass.begin(), mass.end());
-    return matrices;
+    return matrices;  // NOLINT(clang-analyzer-unix.Malloc): Eigen frees what it moves
 }
 
 /// Returns a negative shift whose magnitude is that of the lowest eigenvalue. The shifted matrix is positive definite.

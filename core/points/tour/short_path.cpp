@@ -330,7 +330,7 @@ private:
 std::vector<std::uint32_t> short_order(std::span<const Point> points, bool closed, const std::stop_token& stop) {
     if (points.empty()) return {};
     const std::vector<Point> unit = normalised(points);
-    const std::vector<std::uint32_t> start = along_hilbert(unit);
+    std::vector<std::uint32_t> start = along_hilbert(unit);
     // In this order, points near in the plane are near in memory.
     std::vector<Point> sorted(unit.size());
     std::transform(start.begin(), start.end(), sorted.begin(), [&](std::uint32_t i) { return unit[i]; });
