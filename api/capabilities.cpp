@@ -41,6 +41,7 @@ Json describe(const PointFormat& format) {
     json["max_side"] = any_side ? Json() : Json(pixels->max_side);
     json["needs"] = Json::array();
     if (format.vector() != nullptr && format.vector()->in_millimetres) json["needs"].push_back("width_mm");
+    if (format.is_tiled()) json["needs"].push_back("coordinates");
     return json;
 }
 

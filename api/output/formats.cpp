@@ -9,6 +9,7 @@
 #include "api/image/tiff_writer.h"
 #include "api/image/webp_writer.h"
 #include "api/input/file_formats.h"
+#include "api/output/dot_tiles.h"
 #include "api/output/eps_drawing.h"
 #include "api/output/pdf_drawing.h"
 #include "api/output/plotter_files.h"
@@ -28,11 +29,16 @@ constexpr int kAnySide = std::numeric_limits<int>::max();
 
 constexpr Estimate kNumbersCost{150, 0.3 * kMicrosecond};   ///< cost of a site, as text or in binary
 constexpr Estimate kFeaturesCost{400, 0.5 * kMicrosecond};  ///< cost of a site with its own Feature
+constexpr Estimate kTilesCost{250, 4 * kMicrosecond};       ///< cost of a site, in tiles of all zooms
 constexpr Estimate kLossyCost{6, 0.02 * kMicrosecond};      ///< cost of a pixel in libjpeg
 constexpr Estimate kColoursCost{16, 0.1 * kMicrosecond};    ///< cost of a pixel in libwebp
 
 void list_csv(const PointSet& points, const Report&, Body& body, const std::stop_token& stop) {
     write_csv(points, body, stop);
+}
+
+void list_tiles(const PointSet& points, const Report&, Body& body, const std::stop_token& stop) {
+    write_dot_tiles(points, body, stop);
 }
 
 void list_npy(const PointSet& points, const Report&, Body& body, const std::stop_token& stop) {
@@ -121,14 +127,20 @@ constexpr PointFormat kJsonSequence{{"geojsonseq", "GeoJSON text sequence", "geo
                                     ListWriter{true, write_point_sequence},
                                     true};
 constexpr PointFormat kCsvPoints{kCsv, kMinTextBytes, kNumbersCost, {}, ListWriter{true, list_csv}, true};
+// The media type is the usual one, but not registered.
+constexpr PointFormat kTilesOfPoints{{"pmtiles", "PMTiles, vector tiles", "pmtiles", "application/vnd.pmtiles", ""},
+                                     1,
+                                     kTilesCost,
+                                     {},
+                                     ListWriter{true, list_tiles, false, true}};
 constexpr PointFormat kNpyPoints{kNpy, 2 * sizeof(double), kNumbersCost, {}, ListWriter{true, list_npy}};
 
 constexpr const PointFormat* kHalftoneFormats[] = {&kPngPoints,  &kJsonPoints,  &kSvgPoints,  &kCsvPoints, &kNpyPoints,
                                                    &kWebPPoints, &kJpegPoints,  &kTiffPoints, &kPdfPoints, &kEpsPoints,
                                                    &kHpglPoints, &kGcodePoints, &kDxfPoints};
 constexpr const PointFormat* kSampleFormats[] = {
-    &kJsonPoints, &kCsvPoints,  &kGeoJsonPoints, &kJsonLines, &kJsonSequence, &kNpyPoints,   &kSvgPoints,
-    &kPngPoints,  &kJpegPoints, &kPdfPoints,     &kEpsPoints, &kHpglPoints,   &kGcodePoints, &kDxfPoints};
+    &kJsonPoints, &kCsvPoints, &kGeoJsonPoints, &kJsonLines,  &kJsonSequence, &kNpyPoints, &kSvgPoints,    &kPngPoints,
+    &kJpegPoints, &kPdfPoints, &kEpsPoints,     &kHpglPoints, &kGcodePoints,  &kDxfPoints, &kTilesOfPoints};
 
 }  // namespace
 

@@ -30,6 +30,7 @@ struct ListWriter {
     bool repeats;
     void (&write)(const PointSet& points, const Report& report, Body& body, const std::stop_token& stop);
     bool has_areas = false;  ///< whether the list has InkDots::areas
+    bool is_tiled = false;   ///< whether points must be degrees with ranks: see write_dot_tiles()
 };
 
 /// Writer of drawings as shapes. `write` has the parameters of write_svg().
@@ -79,6 +80,10 @@ struct PointFormat {
     const PointFormat* single_points = nullptr;
 
     bool is_drawn() const { return !std::holds_alternative<ListWriter>(writer); }
+    bool is_tiled() const {
+        const auto* list = std::get_if<ListWriter>(&writer);
+        return list != nullptr && list->is_tiled;
+    }
     const RasterWriter* raster() const { return std::get_if<RasterWriter>(&writer); }
     const VectorWriter* vector() const { return std::get_if<VectorWriter>(&writer); }
 

@@ -27,6 +27,16 @@ void for_features(std::span<const std::uint32_t> features, Function&& function) 
     }
 }
 
+/// Zooms of vector tiles.
+struct DotTiles {
+    static constexpr int kMaxZoom = 22;
+    static constexpr std::size_t kMaxDots = 50'000;
+
+    int min_zoom = 0;
+    std::optional<int> max_zoom = {};  ///< none: the first zoom at which no tile has more than `dots_per_tile` dots
+    std::size_t dots_per_tile = 10'000;
+};
+
 /// Points of an answer, as writers receive them. Each ink and each class of a dot map is a layer.
 /// All objects to which this object refers must outlive it.
 struct PointSet {
@@ -35,6 +45,7 @@ struct PointSet {
     std::span<const std::string> feature_ids = {};
     const CarriedProperties* properties = nullptr;  ///< properties of the features; null: points carry none
     std::optional<double> tone = {};                ///< DotSize::tone of a halftone, for descriptions of drawings
+    DotTiles tiles = {};                            ///< zooms, for tiles
 
     bool are_grouped() const { return !feature_ids.empty(); }
 

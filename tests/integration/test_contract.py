@@ -228,6 +228,14 @@ def map_of(people):
             "features": [{"type": "Feature", "properties": {"people": people}, "geometry": square}]}
 
 
+# Members of a request for tiles, beside those of other requests.
+TILES = {"domain": None, "polygon": [[0, 0], [9, 0], [9, 8]], "coordinates": "lonlat", "format": "pmtiles"}
+
+
+def without_none(members):
+    return {name: value for name, value in members.items() if value is not None}
+
+
 class Options(ContractCase):
     # A request in which the option makes a difference.
     BASES = {("/halftone", "style"): {"format": "svg"}, ("/halftone", "antialias"): {"format": "png"},
@@ -245,13 +253,13 @@ class Options(ContractCase):
              **{(path, option): {"format": "svg", "paper": "2010x2010"} for path in ("/halftone", "/sample") for option in ("margin", "marks")},
              **{(path, "closed"): {"format": "svg", "style": "path", "width_mm": 100} for path in ("/halftone", "/sample")},
              **{(path, "pen"): {"format": "svg", "style": "spiral", "width_mm": 1} for path in ("/halftone", "/sample")},
+             **{("/sample", option): TILES for option in ("minzoom", "maxzoom", "dots_per_tile")},
              ("/sample", "per"): {"domain": None, "geometry": map_of(20), "sites": "people"},
              ("/sample", "buffer"): {"domain": {"type": "rectangle", "width": 1, "height": 1}},
              ("/sample", "coordinates"): {"domain": None, "polygon": [[0, 0], [90, 0], [90, 80]]}}
 
     def base(self, path, option=""):
-        members = {**BODIES[path], **self.BASES.get((path, option), {})}
-        return {name: value for name, value in members.items() if value is not None}
+        return without_none({**BODIES[path], **self.BASES.get((path, option), {})})
 
     def refuse(self, path, option, value):
         answer = post_json(self.server, path, {**self.base(path), option: value})
@@ -269,6 +277,8 @@ class Options(ContractCase):
         if option == "format" and value in ("mask", "mask16", "masknpy"):
             del body["sites"]
             body["domain"] = {"type": "torus", "width": 16, "height": 8}
+        if (option, value) == ("format", "pmtiles"):
+            body = without_none({**body, **TILES})
         if (option, value) in NEED_A_WIDTH or option == "minutes":
             body["width_mm"] = 100
         if option == "minutes":
@@ -345,7 +355,7 @@ class Options(ContractCase):
         others = {"seed": 1, "per": 2, "iterations": 6, "passes": 6, "quality": "best", "dot": 0.5, "detail": 1, "alpha": "linear", "levels": [0.2, 1], "fit": "cover", "gravity": [0, 1],
                   "tone": "perceptual", "foreground": "#123456", "background": "#123456",
                   "color": "cmyk", "style": "stroke", "closed": True, "margin": 20, "marks": True, "jpeg_quality": 50, "pen": 1, "speed": 50, "dwell": 1, "machine": "marlin", "method": "odt", "mesh": True, "coordinates": "lonlat",
-                  "max_frequency": 5, "spectrum": True, "multipoint": False, "buffer": 0.1, "format": "svg", "domain": {"type": "rectangle", "width": 2, "height": 1}}
+                  "max_frequency": 5, "spectrum": True, "multipoint": False, "minzoom": 1, "dots_per_tile": 1, "buffer": 0.1, "format": "svg", "domain": {"type": "rectangle", "width": 2, "height": 1}}
         alike = {"on_deadline", "invalid"}  # these make no difference to a request that is valid and in time
         tried = set()
         for path, option, described in options():
@@ -508,7 +518,9 @@ class Formats(ContractCase):
             words = properties(name)["format"]["enum"]
             given = BODIES[path] if path == "/analyze" else {**BODIES[path], "width_mm": 100}
             made = [self.pose(path, {**given, "format": word}).type.split(";")[0]
-                    for word in words if not word.startswith("mask")]
+                    for word in words if not word.startswith(("mask", "pmtiles"))]
+            tiles = without_none({**BODIES[path], **TILES}) if path == "/sample" else {}
+            made += [self.pose(path, tiles).type] if tiles else []
             device = {"image": given.get("image"), "device": "1bit"}
             words = properties("DeviceOptions")["format"]["enum"] if path == "/halftone" else ()
             for_devices = [self.pose(path, {**device, "format": word}).type for word in words if word != "png"]
@@ -524,6 +536,8 @@ class Formats(ContractCase):
             for media in in_space:
                 self.assertEqual(self.pose(path, space, "--header", "Accept: " + media).type, media)
             for media in set(content) - set(for_meshes) - set(in_space) - set(split):
+                if media == "application/vnd.pmtiles":
+                    body = {option: value for option, value in tiles.items() if option != "format"}
                 answer = self.pose(path, device if media in for_devices else body, "--header", "Accept: " + media)
                 self.assertEqual(answer.type.split(";")[0], media)
             for media in for_meshes:

@@ -9,6 +9,7 @@ import re
 import stat
 import sys
 import warnings
+import zipfile
 
 import ccdt
 import numpy as np
@@ -344,6 +345,19 @@ def test_colours_have_inks(cat):
     assert drawn.inks == ["cyan", "magenta", "yellow"] and drawn.ink is None and len(drawn) == 300
     assert len(drawn.rings) == 3 and all(len(rings) > 100 for rings in drawn.rings)
     assert drawn.image().shape[2] == 3
+
+
+def test_split_drawings_are_saved_as_archives(ramp, tmp_path):
+    split = ccdt.halftone(ramp, 60, width_mm=50, split="ink", format="svg", dots="ink")
+    with raises("split", "must end with .zip"):
+        split.save(tmp_path / "a.svg")
+    assert not (tmp_path / "a.svg").exists()
+    split.save(tmp_path / "a.zip")
+    split.save(tmp_path / "b.zip", format="hpgl")
+    for name, extension in (("a.zip", ".svg"), ("b.zip", ".plt")):
+        assert all(each.endswith(extension) for each in zipfile.ZipFile(tmp_path / name).namelist())
+    with raises("split", ".zip is the extension"):
+        ccdt.halftone(ramp, 60).save(tmp_path / "c.zip")
 
 
 def test_halftones_are_written_in_other_formats(ramp, tmp_path):

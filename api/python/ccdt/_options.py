@@ -106,6 +106,9 @@ class SampleOptions(PlotOptions, total=False):
     order: str
     width: int
     dot: float
+    minzoom: int
+    maxzoom: int
+    dots_per_tile: int
 
 
 class SurfaceOptions(TypedDict, total=False):

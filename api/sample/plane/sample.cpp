@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "api/sample/plane/sample.h"
+#include "api/output/dot_tiles.h"
 
 #include <algorithm>
 #include <cassert>
@@ -54,6 +55,26 @@ Answer head_of(const PointFormat& format, const SampleArea& area, const PlacedPo
     return answer;
 }
 
+/// Checks that points can be written as tiles, if the format is one of tiles. Errors: Unusable.
+Result<void> check_tiles(const SampleRequest& request, const PlacedSample& sample, const PointFormat& format) {
+    if (!format.is_tiled()) return {};
+    const auto& classes = sample.placed.classes;
+    const bool are_ranked = std::ranges::all_of(
+        classes, [](const ClassDots& each) { return each.dots.ranks.size() == each.dots.points.size(); });
+    if (!request.region.is_on_globe() || !are_ranked)
+        return failure(ErrorCode::Unusable, "the format pmtiles needs coordinates=lonlat and order=progressive",
+                       request.field_of("format"));
+    for (const ClassDots& each : classes) {
+        const auto far = std::ranges::find_if(each.dots.points, [](Point p) { return std::abs(p.y) > kMaxLatitude; });
+        if (far == each.dots.points.end()) continue;
+        return failure(ErrorCode::Unusable,
+                       "there are points beyond the latitude " + std::to_string(kMaxLatitude) +
+                           ", where Web Mercator, the projection of tiles, ends",
+                       request.field_of("format"));
+    }
+    return {};
+}
+
 }  // namespace
 
 Result<PlacedSample> place_sample(const SampleRequest& request, const Limits& limits, const Decode& decode,
@@ -85,6 +106,7 @@ Result<Answer> write_answer(const SampleRequest& request, const PlacedSample& sa
         if (auto can = request.about_option(format.check_drawing(request.output.drawing)); !can)
             return tl::unexpected(can.error());
     }
+    if (auto can = check_tiles(request, sample, format); !can) return tl::unexpected(can.error());
     const auto page = plan_page(request, format, area.whole, limits);
     if (!page) return tl::unexpected(page.error());
     std::vector<ClassDots> shifted;

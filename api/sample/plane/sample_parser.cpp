@@ -38,6 +38,7 @@ struct Draft {
     std::optional<double> depth;  ///< of the domain of a mask
     Counting counting;
     std::optional<PropertyChoice> properties;
+    std::optional<std::uint64_t> min_zoom, dots_per_tile;
     MethodOptions given{};
 };
 
@@ -107,6 +108,10 @@ Result<void> read_geometry(const Input& input, Draft& draft) {
     draft.source = find_features(input);
     draft.request.region.system = find_system(std::get<JsonValue>(input.value));
     return {};
+}
+
+Result<std::uint64_t> read_zoom(const Input& input) {
+    return read_integer(input, 0, DotTiles::kMaxZoom);
 }
 
 /// Reads the number of sites, or the name of the property that holds the counts.
@@ -196,6 +201,11 @@ constexpr auto kOutputRules = std::to_array<OptionRule<Draft>>({
     {"dot",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.output.dot, read_number(i, kPositive)); }},
     {"format", [](const Input& i, const Limits&, Draft& d) { return read_any_format(i, d); }},
+    {"minzoom", [](const Input& i, const Limits&, Draft& d) { return assign(d.min_zoom, read_zoom(i)); }},
+    {"maxzoom",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.output.tiles.max_zoom, read_zoom(i)); }},
+    {"dots_per_tile", [](const Input& i, const Limits&,
+                         Draft& d) { return assign(d.dots_per_tile, read_integer(i, 1, DotTiles::kMaxDots)); }},
 });
 
 constexpr auto kOptionRules = joined(kPointRules, drawing_rules<Draft, drawing_of>(), kOutputRules);
@@ -350,6 +360,33 @@ Result<void> settle_format(std::string_view accept, Draft& draft) {
     return check_properties(draft);
 }
 
+/// Settles the zooms of tiles, and checks that only tiles have zooms.
+Result<void> settle_tiles(Draft& draft) {
+    SampleRequest& request = draft.request;
+    DotTiles& tiles = request.output.tiles;
+    const auto wrong = [&](const char* option, const char* message) {
+        return failure(ErrorCode::Malformed, message, request.field_of(option));
+    };
+    if (!request.output.format->is_tiled()) {
+        constexpr const char* kTiles = "minzoom, maxzoom and dots_per_tile are options of the format pmtiles only";
+        if (draft.min_zoom) return wrong("minzoom", kTiles);
+        if (tiles.max_zoom) return wrong("maxzoom", kTiles);
+        return draft.dots_per_tile ? wrong("dots_per_tile", kTiles) : Result<void>();
+    }
+    if (request.region.coordinates != Coordinates::LonLat)
+        return wrong("coordinates", "must be lonlat for the format pmtiles, whose tiles are places on the globe");
+    if (request.output.order.value_or(PointOrder::Progressive) != PointOrder::Progressive)
+        return wrong("order", "must be progressive for the format pmtiles: the order decides which dots a zoom shows");
+    if (tiles.max_zoom && draft.dots_per_tile)
+        return wrong("dots_per_tile", "maxzoom replaces dots_per_tile: give only one of them");
+    request.output.order = PointOrder::Progressive;
+    tiles.min_zoom = static_cast<int>(draft.min_zoom.value_or(0));
+    tiles.dots_per_tile = draft.dots_per_tile.value_or(tiles.dots_per_tile);
+    if (tiles.max_zoom.value_or(DotTiles::kMaxZoom) < tiles.min_zoom)
+        return wrong("maxzoom", "must be at least minzoom");
+    return {};
+}
+
 /// Checks the areas that are subtracted from the domain.
 Result<void> check_exclusions(const Draft& draft) {
     const SampleRequest& request = draft.request;
@@ -461,7 +498,9 @@ Result<SampleRequest> parse_sample(JsonValue root, const std::vector<TextOption>
     const auto domain = settle_domain(draft);
     errors.add(domain);
     if (domain && draft.request.threshold_mask) errors.add(settle_mask(draft.depth, draft.request));
-    errors.add(settle_format(accept, draft));
+    const auto format = settle_format(accept, draft);
+    errors.add(format);
+    if (format && !draft.request.threshold_mask) errors.add(settle_tiles(draft));
     const SampleOutput& output = draft.request.output;
     errors.add(draft.request.about_option(check_effects(output.drawing, output.dot.has_value())));
     if (output.format != nullptr && !draft.request.threshold_mask) {

@@ -58,7 +58,8 @@ struct SampleOutput {
     std::optional<int> width;         ///< width of a drawing in pixels; none: follows from the number of sites
     std::optional<double> dot;        ///< radius in units of the domain, > 0; none: a quarter of the pitch
     std::optional<PointOrder> order;  ///< none: along a path in drawings of shapes, otherwise the order of placement
-    bool multipoint = true;           ///< whether GeoJSON groups points into MultiPoints
+    DotTiles tiles;
+    bool multipoint = true;  ///< whether GeoJSON groups points into MultiPoints
 
     /// Returns the variant of a format that `multipoint` asks for.
     const PointFormat& variant_of(const PointFormat& any) const {

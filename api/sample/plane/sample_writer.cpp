@@ -99,7 +99,7 @@ private:
 
 Result<Page> plan_page(const SampleRequest& request, const PointFormat& format, const Domain& whole,
                        const Limits& limits) {
-    const auto& [requested, drawing, width, dot, order, multipoint] = request.output;
+    const auto& [requested, drawing, width, dot, order, tiles, multipoint] = request.output;
     Page page{whole.bounds(), true, whole.is_torus()};
     page.along_path = order.value_or(PointOrder::Path) == PointOrder::Path;
     if (auto placed = request.about_option(place_on_paper(drawing, page)); !placed)
@@ -135,6 +135,7 @@ Result<void> write_sample(const SampleRequest& request, const PointFormat& forma
     for (std::size_t i = 0; i < dots.size(); ++i)
         layers.push_back({palette.inks[i], dots[i].dots, radius_of(request, whole, page), nullptr, dots[i].feature_of});
     PointSet points{layers};
+    points.tiles = request.output.tiles;
     if (request.features) {
         points.feature_ids = request.features->ids;
         if (!request.features->carried.of_feature.empty()) points.properties = &request.features->carried;
