@@ -1,0 +1,428 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/points/choice/choice.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "core/base/elementary.h"
+#include "core/ccdt/polish/cell_list.h"
+#include "core/geometry/axes.h"
+#include "core/points/choice/exchange_search.h"
+
+namespace ccdt {
+
+namespace {
+
+using choice::CandidateCells;
+using choice::Extent;
+using choice::PairEnergy;
+
+/// Number of candidates in a small cell, half a spacing wide, that take part in the search. More would hardly make the
+/// choice more even, and coincident candidates would take quadratic time.
+constexpr std::size_t kMaxNear = 16;
+
+/// Least number of candidates per cell on average, so that hardly any cells are empty by chance.
+constexpr double kPerCell = 8;
+
+/// Energy that a candidate with the highest priority saves, relative to one with the lowest. PairEnergy has the unit.
+constexpr double kPriorityWeight = 0.5;
+
+/// Least spacing, relative to the box. Coincident candidates may want a smaller one.
+constexpr double kLeastSpacing = 1e-9;
+
+/// Side of a torus in the plane along z.
+constexpr double kFlat = 1e-6;
+
+constexpr std::size_t kRange = 4'096;  ///< candidates per task
+
+/// Returns the pair energy for a ratio of candidates to points. The more candidates there are, the farther apart points
+/// can be. Test Choice requires the evenness. A larger core increases the distances, and the power of long
+/// waves.
+PairEnergy energy_for(double ratio, bool is_solid) {
+    const double core = std::clamp(0.775 + 0.0385 * elementary::log2(ratio), 0.79, 0.95) * (is_solid ? 1.045 : 1);
+    return {2.7F, 30, static_cast<float>(core)};
+}
+
+/// Returns the number of passes: fewer for many points, so that a choice of 100,000 among a million takes seconds.
+int passes_for(std::size_t count) {
+    return static_cast<int>(std::clamp(2e6 / static_cast<double>(count), 20.0, 200.0));
+}
+
+/// Returns the longest move, in spacings. Unless there are too few candidates, about a dozen free ones are in reach.
+double move_reach_for(double ratio) {
+    return std::clamp(2 / std::sqrt(ratio - 1), 1.2, 4.0);
+}
+
+/// Calls function(element) for `count` elements of a list, evenly spaced in it.
+template <class Function>
+void for_evenly(std::span<const std::uint32_t> list, std::size_t count, Function&& function) {
+    for (std::size_t each = 0; each < count; ++each) function(list[(2 * each + 1) * list.size() / (2 * count)]);
+}
+
+/// Points that the cells want.
+class WantedPoints {
+public:
+    struct Cell {
+        double density;  ///< mean density of the candidates, times the weight of the cell
+        double most;     ///< number of candidates
+    };
+
+    WantedPoints(std::vector<Cell> cells, double count) : cells_(std::move(cells)), count_(count) {
+        scale_ = count / std::accumulate(cells_.begin(), cells_.end(), 0.0,
+                                         [](double sum, const Cell& cell) { return sum + cell.density; });
+    }
+
+    /// Returns the wanted points that exceed the candidates of the blocks.
+    std::size_t shortfall(std::span<const CandidateCells::Range> blocks) const {
+        double lacking = 0;
+        for (const auto& block : blocks) {
+            double rest = 0;
+            for (std::size_t cell = block.begin; cell < block.end; ++cell)
+                rest += scale_ * cells_[cell].density - cells_[cell].most;
+            lacking += std::max(0.0, rest);
+        }
+        return static_cast<std::size_t>(lacking);
+    }
+
+    /// Distributes the points that full cells lack to the remaining cells.
+    void share_out() {
+        constexpr int kMaxRounds = 50;
+        for (int round = 0; round < kMaxRounds; ++round) {
+            double full = 0, rest = 0;
+            for (const Cell& cell : cells_) (is_full(cell) ? full : rest) += is_full(cell) ? cell.most : cell.density;
+            const double larger = (count_ - full) / rest;
+            if (rest == 0 || !(larger > scale_)) return;
+            scale_ = larger;
+        }
+    }
+
+    double in(std::size_t cell) const { return std::min(cells_[cell].most, scale_ * cells_[cell].density); }
+    /// Returns the points that a cell with a given density wants.
+    double at(double density) const { return scale_ * density; }
+
+private:
+    bool is_full(const Cell& cell) const { return scale_ * cell.density >= cell.most; }
+
+    std::vector<Cell> cells_;
+    double count_, scale_ = 1;
+};
+
+/// Chooses some of the candidates, which lie in a box from the origin whose longest side is 1.
+class Chooser {
+public:
+    struct Input {
+        std::vector<Point3> positions;
+        std::vector<double> density, priority;  ///< priorities are in [0, 1]
+        std::vector<std::uint8_t> kept;
+        Point3 sides;
+        Extent extent = Extent::Plane;
+        bool is_torus = false;
+    };
+
+    Chooser(const Input& input, std::size_t count, Executor& executor)
+        : input_(input),
+          count_(count),
+          executor_(executor),
+          cells_(input.positions, input.sides, input.extent,
+                 std::max(1.0, std::min(static_cast<double>(count), static_cast<double>(size()) / kPerCell)), executor),
+          wanted_(wanted_cells(), static_cast<double>(count)),
+          cell_of_(size()),
+          is_chosen_(size(), 0) {
+        shortfall_ = wanted_.shortfall(cells_.blocks());
+        wanted_.share_out();
+        for (const double density : input.density) spacings_.push_back(spacing_at(density));
+        for (std::uint32_t cell = 0; cell < cells_.cells().size(); ++cell) {
+            const auto& range = cells_.cells()[cell];
+            for (std::size_t each = range.begin; each < range.end; ++each) cell_of_[cells_.rows()[each]] = cell;
+        }
+    }
+
+    std::size_t shortfall() const { return shortfall_; }
+
+    /// Returns the choice: 1 for chosen candidates.
+    std::vector<std::uint8_t> run(std::uint64_t seed, const std::stop_token& stop) {
+        select();
+        if (selected_.size() > count_) {
+            choose_first();
+            if (!stop.stop_requested()) search(seed, stop);
+        }
+        return std::move(is_chosen_);
+    }
+
+private:
+    std::size_t size() const { return input_.positions.size(); }
+
+    /// Returns the weight of each cell: 1 or, on a surface, which meets more cells where it is oblique to them, a
+    /// number that makes the weight of the cells in a neighbourhood the same everywhere. The mean is 1.
+    std::vector<double> weights() const {
+        std::vector<double> weights(cells_.cells().size(), 1);
+        if (input_.extent != Extent::Surface) return weights;
+        constexpr double kReach = 3;  // relative to the side of a square with the area of a cell
+        const double reach = kReach * std::sqrt(cells_.size());
+        const std::vector<Point3> centres = cell_centres();
+        const CellList3 near(centres);
+        for (std::size_t cell = 0; cell < centres.size(); ++cell) {
+            double sum = 0;
+            near.for_near(centres[cell], reach, [&](Point3 other, std::uint32_t) {
+                const Point3 apart = other - centres[cell];
+                sum += PairEnergy::soft(dot(apart, apart) / (reach * reach));
+            });
+            weights[cell] = 1 / sum;
+        }
+        const double mean = std::accumulate(weights.begin(), weights.end(), 0.0) / static_cast<double>(weights.size());
+        for (double& weight : weights) weight /= mean;
+        return weights;
+    }
+
+    std::vector<Point3> cell_centres() const {
+        std::vector<Point3> centres;
+        for (const auto& cell : cells_.cells()) centres.push_back(cells_.centre(cell));
+        return centres;
+    }
+
+    std::vector<WantedPoints::Cell> wanted_cells() const {
+        std::vector<WantedPoints::Cell> cells;
+        const std::vector<double> weights = this->weights();
+        for (const auto& cell : cells_.cells()) {
+            double sum = 0;
+            for (std::size_t each = cell.begin; each < cell.end; ++each) sum += input_.density[cells_.rows()[each]];
+            const auto candidates = static_cast<double>(cell.size());
+            cells.push_back({weights[cells.size()] * sum / candidates, candidates});
+        }
+        return cells;
+    }
+
+    float spacing_at(double density) const {
+        const double part = cells_.size() / wanted_.at(density);
+        const double side = input_.extent == Extent::Solid ? elementary::cbrt(part) : std::sqrt(part);
+        return static_cast<float>(std::clamp(side, kLeastSpacing, 1.0));
+    }
+
+    bool is_better(std::uint32_t i, std::uint32_t j) const {
+        if (input_.kept[i] != input_.kept[j]) return input_.kept[i] > input_.kept[j];
+        return input_.priority[i] > input_.priority[j];
+    }
+
+    /// Selects the candidates that take part in the search. If they are too few, chooses all of them and some others.
+    void select() {
+        std::vector<std::uint32_t> others, near;
+        for (std::size_t begin = 0; begin < size();) {
+            const double side = static_cast<double>(spacings_[cells_.rows()[begin]]) / 2;
+            const auto cell = cells_.small_cell(begin, side);
+            begin = cell.end;
+            const auto rows = cells_.rows().subspan(cell.begin, cell.size());
+            near.assign(rows.begin(), rows.end());
+            if (near.size() > kMaxNear)
+                std::ranges::stable_sort(near, [&](std::uint32_t i, std::uint32_t j) { return is_better(i, j); });
+            for (std::size_t each = 0; each < near.size(); ++each)
+                (each < kMaxNear || input_.kept[near[each]] != 0 ? selected_ : others).push_back(near[each]);
+        }
+        if (selected_.size() > count_) return;
+        for (const std::uint32_t i : selected_) is_chosen_[i] = 1;
+        for_evenly(others, count_ - selected_.size(), [&](std::uint32_t i) { is_chosen_[i] = 1; });
+    }
+
+    /// Chooses points along the curve, such that each part of it has the points that it wants, rounded up or down.
+    void choose_first() {
+        double carried = 0.5;
+        std::size_t chosen = 0;
+        for (std::size_t begin = 0, end = 0; begin < selected_.size(); begin = end) {
+            const std::uint32_t cell = cell_of_[selected_[begin]];
+            double kept = 0;
+            while (end < selected_.size() && cell_of_[selected_[end]] == cell) kept += input_.kept[selected_[end++]];
+            const double share =
+                std::max(0.0, wanted_.in(cell)-kept) / std::max(1.0, static_cast<double>(end - begin) - kept);
+            for (std::size_t each = begin; each < end; ++each) {
+                const std::uint32_t i = selected_[each];
+                carried += input_.kept[i] != 0 ? 1 : share;
+                if (input_.kept[i] == 0 && carried < 1) continue;
+                carried -= 1;
+                is_chosen_[i] = 1;
+                ++chosen;
+            }
+        }
+        // Rounding, kept candidates, and those that were not selected change the number.
+        const bool lacks = chosen < count_;
+        std::vector<std::uint32_t> list;
+        for (const std::uint32_t i : selected_)
+            if (input_.kept[i] == 0 && (is_chosen_[i] == 0) == lacks) list.push_back(i);
+        for_evenly(list, lacks ? count_ - chosen : chosen - count_,
+                   [&](std::uint32_t i) { is_chosen_[i] = lacks ? 1 : 0; });
+    }
+
+    Point3 torus() const {
+        if (!input_.is_torus) return {};
+        return {input_.sides.x, input_.sides.y, input_.sides.z > 0 ? input_.sides.z : kFlat};
+    }
+
+    /// Returns the energy that the chosen points around each selected candidate should have, due to the soft part of
+    /// the pair energy: the sum over the cells around it.
+    std::vector<float> wanted_energies(const PairEnergy& energy) const {
+        const std::vector<Point3> centres = cell_centres();
+        const CellList3 near = input_.is_torus ? CellList3(torus(), centres) : CellList3(centres);
+        std::vector<float> wanted(selected_.size());
+        for_ranges(executor_, selected_.size(), kRange, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t each = begin; each < end; ++each) {
+                const Point3 p = input_.positions[selected_[each]];
+                const double reach =
+                    static_cast<double>(energy.reach) * static_cast<double>(spacings_[selected_[each]]);
+                double sum = 0;
+                near.for_near(p, reach, [&](Point3 centre, std::uint32_t cell) {
+                    const Point3 apart = p - centre;
+                    sum += wanted_.in(cell)*energy.soft(dot(apart, apart) / (reach * reach));
+                });
+                wanted[each] = static_cast<float>(sum);
+            }
+        });
+        return wanted;
+    }
+
+    /// Returns the logarithm of the number of selected candidates per wanted point, around each selected candidate.
+    std::vector<float> crowding() const {
+        std::vector<double> numbers(cells_.cells().size(), 0);
+        for (const std::uint32_t i : selected_) ++numbers[cell_of_[i]];
+        std::vector<float> crowding;
+        for (const std::uint32_t i : selected_)
+            crowding.push_back(static_cast<float>(elementary::log(numbers[cell_of_[i]] / wanted_.in(cell_of_[i]))));
+        return crowding;
+    }
+
+    void search(std::uint64_t seed, const std::stop_token& stop) {
+        const double ratio = static_cast<double>(selected_.size()) / static_cast<double>(count_);
+        const PairEnergy energy = energy_for(ratio, input_.extent == Extent::Solid);
+        std::vector<float> wanted = wanted_energies(energy);
+        std::vector<Point3> positions;
+        std::vector<float> spacings;
+        std::vector<std::uint8_t> fixed, chosen;
+        for (std::size_t each = 0; each < selected_.size(); ++each) {
+            const std::uint32_t i = selected_[each];
+            wanted[each] += static_cast<float>(kPriorityWeight * input_.priority[i]);
+            positions.push_back(input_.positions[i]);
+            spacings.push_back(spacings_[i]);
+            fixed.push_back(input_.kept[i]);
+            chosen.push_back(is_chosen_[i]);
+        }
+        choice::exchange({positions, spacings, wanted, crowding(), fixed, torus()},
+                         {energy, move_reach_for(ratio), passes_for(count_), seed}, chosen, stop, executor_);
+        for (std::size_t each = 0; each < selected_.size(); ++each) is_chosen_[selected_[each]] = chosen[each];
+    }
+
+    const Input& input_;
+    std::size_t count_;
+    Executor& executor_;
+    CandidateCells cells_;
+    WantedPoints wanted_;
+    std::vector<float> spacings_;  ///< spacing of chosen points around each candidate
+    std::size_t shortfall_ = 0;
+    std::vector<std::uint32_t> cell_of_;   ///< number of the cell of each candidate
+    std::vector<std::uint32_t> selected_;  ///< candidates that take part in the search
+    std::vector<std::uint8_t> is_chosen_;
+};
+
+tl::unexpected<Error> not_finite(const char* list, std::size_t index, const char* rule) {
+    const std::string field = list + ("/" + std::to_string(index));
+    return failure(ErrorCode::Malformed, field + " must be " + rule, field);
+}
+
+Result<void> check(const Candidates& candidates) {
+    for (std::size_t i = 0; i < candidates.positions.size(); ++i) {
+        const Point3 p = candidates.positions[i];
+        if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+            return not_finite("candidates", i, "finite");
+    }
+    for (std::size_t i = 0; i < candidates.density.size(); ++i) {
+        if (!std::isfinite(candidates.density[i]) || candidates.density[i] < 0)
+            return not_finite("density", i, "finite and at least 0");
+    }
+    for (std::size_t i = 0; i < candidates.priority.size(); ++i) {
+        if (!std::isfinite(candidates.priority[i])) return not_finite("priority", i, "finite");
+    }
+    return {};
+}
+
+/// Candidates that can be chosen.
+struct Eligible {
+    std::vector<std::uint32_t> rows;
+    double least_density = 0, most_density = 0;
+    std::size_t kept = 0;
+};
+
+Eligible eligible_of(const Candidates& candidates) {
+    Eligible eligible;
+    for (std::uint32_t row = 0; row < candidates.positions.size(); ++row) {
+        const double density = candidates.density.empty() ? 1 : candidates.density[row];
+        const bool is_kept = !candidates.kept.empty() && candidates.kept[row] != 0;
+        eligible.kept += is_kept ? 1 : 0;
+        if (density == 0 && !is_kept) continue;
+        eligible.rows.push_back(row);
+        eligible.most_density = std::max(eligible.most_density, density);
+    }
+    return eligible;
+}
+
+/// Moves candidates into a box from the origin, and scales their values. Halves avoid overflow.
+Chooser::Input input_of(const Candidates& candidates, const Eligible& eligible) {
+    constexpr double kLeastDensity = 1e-12;  // relative to the highest one
+    Chooser::Input input;
+    input.extent = candidates.extent;
+    input.is_torus = candidates.torus.has_value();
+    Box3 box{candidates.positions[eligible.rows.front()], candidates.positions[eligible.rows.front()]};
+    for (const std::uint32_t row : eligible.rows) {
+        const std::array<Point3, 3> corners{box.min, box.max, candidates.positions[row]};
+        box = bounds_of(corners);
+    }
+    if (input.is_torus) box = {{}, *candidates.torus};
+    const auto half = [&](std::size_t axis) { return along(box.max, axis) / 2 - along(box.min, axis) / 2; };
+    const double longest = std::max({half(0), half(1), half(2)}), scale = longest > 0 ? longest : 1;
+    input.sides = by_axis<Point3>([&](std::size_t axis) { return half(axis) / scale; });
+    const auto [least, most] = candidates.priority.empty() ? std::ranges::minmax_result<double>{0, 0}
+                                                           : std::ranges::minmax(candidates.priority);
+    const double range = most / 2 - least / 2;
+    for (const std::uint32_t row : eligible.rows) {
+        const Point3 p = candidates.positions[row];
+        input.positions.push_back(by_axis<Point3>([&](std::size_t axis) {
+            const double above = along(p, axis) / 2 - along(box.min, axis) / 2;
+            return std::clamp(above / scale, 0.0, along(input.sides, axis));
+        }));
+        const bool has_density = !candidates.density.empty() && eligible.most_density > 0;
+        input.density.push_back(has_density ? std::max(kLeastDensity, candidates.density[row] / eligible.most_density)
+                                            : 1);
+        input.priority.push_back(range > 0 ? (candidates.priority[row] / 2 - least / 2) / range : 0);
+        input.kept.push_back(!candidates.kept.empty() && candidates.kept[row] != 0 ? 1 : 0);
+    }
+    return input;
+}
+
+}  // namespace
+
+Result<ChosenCandidates> choose_points(const Candidates& candidates, std::size_t count, std::uint64_t seed,
+                                       const std::stop_token& stop, Executor& executor) {
+    if (auto checked = check(candidates); !checked) return tl::unexpected(checked.error());
+    Eligible eligible = eligible_of(candidates);
+    if (eligible.kept > count)
+        return failure(ErrorCode::Unusable,
+                       std::to_string(eligible.kept) + " candidates are kept, but there are only " +
+                           std::to_string(count) + " sites",
+                       "keep");
+    if (count > eligible.rows.size())
+        return failure(ErrorCode::Unusable,
+                       "only " + std::to_string(eligible.rows.size()) +
+                           " candidates have a density above 0 or are kept, but there are " + std::to_string(count) +
+                           " sites",
+                       "sites");
+    if (count == 0) return ChosenCandidates{};
+    if (count == eligible.rows.size()) return ChosenCandidates{std::move(eligible.rows), 0};
+    const Chooser::Input input = input_of(candidates, eligible);
+    Chooser chooser(input, count, executor);
+    ChosenCandidates result{{}, chooser.shortfall()};
+    const std::vector<std::uint8_t> chosen = chooser.run(seed, stop);
+    for (std::size_t i = 0; i < chosen.size(); ++i)
+        if (chosen[i] != 0) result.rows.push_back(eligible.rows[i]);
+    return result;
+}
+
+}  // namespace ccdt

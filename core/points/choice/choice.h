@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "core/base/executor.h"
+#include "core/base/result.h"
+#include "core/geometry/point3.h"
+#include "core/points/choice/candidate_cells.h"
+
+namespace ccdt {
+
+/// Candidates of a choice, and what is wanted of them. An empty span stands for equal values.
+struct Candidates {
+    std::span<const Point3> positions;  ///< [n], may coincide; in the plane, z is 0
+    choice::Extent extent = choice::Extent::Plane;
+    /// [n] wanted density of chosen points around each candidate; only ratios matter. 0: the candidate is never chosen
+    std::span<const double> density;
+    std::span<const double> priority;    ///< [n] of candidates that are close to each other, higher ones are preferred
+    std::span<const std::uint8_t> kept;  ///< [n] 1 for candidates that are always chosen, whatever their density
+    std::optional<Point3> torus;         ///< sides of a torus from the origin that contains the positions; z may be 0
+};
+
+/// Chosen candidates.
+struct ChosenCandidates {
+    std::vector<std::uint32_t> rows;  ///< indices, ascending
+    /// Number of points that are wanted where there are some candidates, but too few. They are chosen elsewhere
+    /// instead.
+    std::size_t shortfall = 0;
+};
+
+/// Chooses exactly `count` candidates, so that they are spread evenly or with the wanted density, however dense the
+/// candidates are. Each cell of a grid that holds candidates wants a number of points: its size times its density. A
+/// walk along a curve through the cells makes a first choice. An exchange search (exchange_search.h) improves it.
+///
+/// @param count  0 to the number of candidates
+/// @param stop   after a stop, the choice is less even
+/// Errors: Malformed for a position, density or priority that is not finite, or a negative density (the field is
+/// candidates, density or priority, followed by the index, such as density/7); Unusable if more candidates are wanted
+/// than have a density above 0 or are kept (field `sites`), or if more are kept than wanted (field `keep`).
+/// Deterministic for a seed and any number of threads. O(n log n) for any positions.
+/// Sources: the exchange of pixels in direct binary search (Analoui, Allebach 1992), simulated annealing (Kirkpatrick,
+/// Gelatt, Vecchi 1983). The README of core/points compares sample elimination and farthest points.
+Result<ChosenCandidates> choose_points(const Candidates& candidates, std::size_t count, std::uint64_t seed,
+                                       const std::stop_token& stop = {}, Executor& executor = inline_executor());
+
+}  // namespace ccdt
