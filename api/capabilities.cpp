@@ -17,6 +17,7 @@
 #include "api/input/device.h"
 #include "api/input/method.h"
 #include "api/output/formats.h"
+#include "api/sample/choice/choice_sample.h"
 #include "api/sample/pixels/pixel_sample.h"
 #include "api/sample/plane/sample_parser.h"
 #include "api/sample/spatial/surface_formats.h"
@@ -167,6 +168,7 @@ std::string capabilities_json(const Limits& limits, OfferedPictures pictures, bo
          {{"formats", describe_all(sample_formats())},
           {"inputs", describe_all(kMaps)},
           {"masks", describe_all(mask_formats())},
+          {"choices", {{"formats", describe_all(choice_formats())}, {"options", choice_options()}}},
           {"pixels", {{"formats", describe_all(pixel_formats())}, {"options", pixel_options()}}},
           {"surfaces",
            {{"inputs", describe_all(kMeshes)},

@@ -11,6 +11,7 @@
 #include "api/halftone/halftone_cost.h"
 #include "api/operation/body_kind.h"
 #include "api/operation/work_progress.h"
+#include "api/sample/choice/choice_sample.h"
 #include "api/sample/mask/threshold_mask.h"
 #include "api/sample/pixels/pixel_sample.h"
 #include "api/sample/plane/sample.h"
@@ -69,6 +70,10 @@ Result<Answer> compute(const SampleRequest& request, const Limits& limits, const
 Result<Answer> compute(const PixelRequest& request, const Limits& limits, const Decode& decode, const Control& control,
                        Timings& timings, BodySink* sink) {
     return run_pixels(request, limits, decode, control, timings, sink);
+}
+Result<Answer> compute(const ChoiceRequest& request, const Limits& /*limits*/, const Decode& /*decode*/,
+                       const Control& control, Timings& timings, BodySink* sink) {
+    return run_choice(request, control, timings, sink);
 }
 Result<Answer> compute(const SurfaceAnalyzeRequest& request, const Limits& /*limits*/, const Decode& decode,
                        const Control& control, Timings& timings, BodySink* /*sink*/) {
@@ -143,6 +148,7 @@ Result<ParsedPointer> parse_sample_request(std::string_view body, const std::vec
     const auto document = parse_sample_document(body);
     if (!document) return tl::unexpected(document.error());
     const JsonValue root = document->root();
+    if (asks_for_choice(root)) return pack(parse_choice(root, options, accept, limits), limits);
     if (asks_for_pixels(root)) return pack(parse_pixels(root, options, accept, limits), limits);
     if (asks_for_volume(root)) return pack(parse_volume(root, options, accept, limits), limits);
     return pack(parse_sample(root, options, accept, limits), limits);

@@ -8,6 +8,7 @@
 #include "api/halftone/device_picture.h"
 #include "api/halftone/halftone.h"
 #include "api/json/json_document.h"
+#include "api/sample/choice/choice_sample.h"
 #include "api/sample/pixels/pixel_sample.h"
 #include "api/sample/plane/sample_parser.h"
 #include "api/sample/spatial/surface_sample.h"
@@ -25,8 +26,9 @@ constexpr std::size_t kMaxNameLength = 64;
 /// Lists the options of /halftone and /sample.
 std::vector<std::string> known_options() {
     std::vector<std::string> names;
-    for (const auto& options : {api::halftone_options(), api::device_options(), api::sample_options(),
-                                api::pixel_options(), api::surface_options(), api::volume_options()})
+    for (const auto& options :
+         {api::halftone_options(), api::device_options(), api::sample_options(), api::pixel_options(),
+          api::choice_options(), api::surface_options(), api::volume_options()})
         names.insert(names.end(), options.begin(), options.end());
     return names;
 }

@@ -197,6 +197,15 @@ TEST(Capabilities, ListPixelSetsWithDocumentedFormatsAndOptions) {
     EXPECT_EQ(pixels.at("options").get<std::set<std::string>>(), names);
 }
 
+TEST(Capabilities, ListChoicesWithDocumentedFormatsAndOptions) {
+    const Json choices = capabilities().at("sample").at("choices");
+    const Json documented = properties_of("ChoiceRequest");
+    EXPECT_EQ(all(choices.at("formats"), "name"), documented.at("format").at("enum").get<std::vector<std::string>>());
+    std::set<std::string> names;
+    for (const auto& [name, schema] : documented.items()) names.insert(name);
+    EXPECT_EQ(choices.at("options").get<std::set<std::string>>(), names);
+}
+
 TEST(Capabilities, ListSurfacesWithDocumentedFormatsAndOptions) {
     const Json surfaces = capabilities().at("sample").at("surfaces");
     const Json documented = properties_of("SurfaceOptions");

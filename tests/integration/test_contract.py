@@ -443,6 +443,22 @@ class PixelRequests(ContractCase):
                 self.assertEqual([error["pointer"] for error in self.refuse(members)["errors"]], [pointer])
 
 
+class ChoiceRequests(ContractCase):
+    BASE = {"sites": 3, "candidates": [[0, 0], [0.1, 0], [4, 0], [4, 3], [0, 3]]}
+
+    def test_are_answered_as_documented(self):
+        for members in ({}, {"seed": 5, "keep": [3]}, {"density": [1, 2, 0, 1, 1], "priority": [0, 1, 2, 3, 4]},
+                        {"coordinates": "lonlat"}, {"candidates": [[0, 0, i] for i in range(9)], "domain": "solid"}):
+            for word in properties("ChoiceRequest")["format"]["enum"]:
+                with self.subTest(members=members, format=word):
+                    body = {**self.BASE, **members, "format": word}
+                    self.assertEqual(faults(body, schema("ChoiceRequest")), [])
+                    answer = self.pose("/sample", body)
+                    if word == "json":
+                        self.assertEqual(faults(answer.json(), schema("ChosenPoints")), [])
+                        self.assertEqual(len(answer.json()["indices"]), 3)
+
+
 class SurfaceRequests(ContractCase):
     VALUES = {"domain": "surface", "density": "curvature", "fixed": "[[0,0,0]]", "crease": "45", "mesh": "true", "order": "progressive",
               "quality": "draft", "iterations": "1", "passes": "1", "seed": "5", "on_deadline": "partial"}
