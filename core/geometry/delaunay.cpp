@@ -200,6 +200,38 @@ std::vector<std::uint32_t> insertion_order(std::size_t segments) {
     return order;
 }
 
+/// Finds the first vertex or constrained edge that a segment meets after its beginning. Precondition: no edge at
+/// `from` runs along the segment.
+std::pair<Vertex, Triangulation::Edge> look_along(const Triangulation& triangulation, Vertex from, Vertex to) {
+    const auto side = [&](Vertex v) { return triangulation.orientation(from->point(), to->point(), v->point()); };
+    auto face = triangulation.incident_faces(from);
+    while (triangulation.is_infinite(face) ||
+           side(face->vertex(Triangulation::ccw(face->index(from)))) != CGAL::RIGHT_TURN ||
+           side(face->vertex(Triangulation::cw(face->index(from)))) != CGAL::LEFT_TURN) {
+        ++face;
+    }
+    Triangulation::Edge ahead{face, face->index(from)};
+    while (true) {
+        if (ahead.first->is_constrained(ahead.second)) return {nullptr, ahead};
+        const auto [left, right] = std::pair(ahead.first->vertex(Triangulation::cw(ahead.second)),
+                                             ahead.first->vertex(Triangulation::ccw(ahead.second)));
+        const Face next = ahead.first->neighbor(ahead.second);
+        const Vertex apex = next->vertex(3 - next->index(left) - next->index(right));
+        const auto turn = apex == to ? CGAL::COLLINEAR : side(apex);
+        if (turn == CGAL::COLLINEAR) return {apex, {}};
+        ahead = {next, next->index(turn == CGAL::LEFT_TURN ? left : right)};
+    }
+}
+
+/// Returns the first vertex that a segment meets after its beginning; null if it crosses a constrained edge before.
+Vertex first_vertex_along(const Triangulation& triangulation, Vertex from, Vertex to) {
+    Vertex end;
+    Face face;
+    int i = 0;
+    if (triangulation.includes_edge(from, to, end, face, i)) return end;
+    return look_along(triangulation, from, to).first;
+}
+
 using DelaunayBase = Triangulation;  // within a derived class, CGAL gives the name Triangulation another meaning
 
 /// A triangulation that may lose the Delaunay property where segments are inserted. The flips that would restore the
@@ -320,7 +352,7 @@ private:
             if (triangulation_.includes_edge(piece.from, piece.to, end, face, i)) {
                 is_constrained = face->is_constrained(i);
             } else {
-                const auto [vertex, edge] = look_along(piece.from, piece.to);
+                const auto [vertex, edge] = look_along(triangulation_, piece.from, piece.to);
                 if (vertex == nullptr) return cross(std::move(piece), edge);
                 end = vertex;
             }
@@ -330,29 +362,6 @@ private:
             piece.from = end;
         }
         return std::nullopt;
-    }
-
-    /// Finds the first vertex or constrained edge that a segment meets after its beginning. Precondition: no edge at
-    /// `from` runs along the segment.
-    std::pair<Vertex, Triangulation::Edge> look_along(Vertex from, Vertex to) const {
-        const auto side = [&](Vertex v) { return triangulation_.orientation(from->point(), to->point(), v->point()); };
-        auto face = triangulation_.incident_faces(from);
-        while (triangulation_.is_infinite(face) ||
-               side(face->vertex(Triangulation::ccw(face->index(from)))) != CGAL::RIGHT_TURN ||
-               side(face->vertex(Triangulation::cw(face->index(from)))) != CGAL::LEFT_TURN) {
-            ++face;
-        }
-        Triangulation::Edge ahead{face, face->index(from)};
-        while (true) {
-            if (ahead.first->is_constrained(ahead.second)) return {nullptr, ahead};
-            const auto [left, right] = std::pair(ahead.first->vertex(Triangulation::cw(ahead.second)),
-                                                 ahead.first->vertex(Triangulation::ccw(ahead.second)));
-            const Face next = ahead.first->neighbor(ahead.second);
-            const Vertex apex = next->vertex(3 - next->index(left) - next->index(right));
-            const auto turn = apex == to ? CGAL::COLLINEAR : side(apex);
-            if (turn == CGAL::COLLINEAR) return {apex, {}};
-            ahead = {next, next->index(turn == CGAL::LEFT_TURN ? left : right)};
-        }
     }
 
     /// Adds the groups of a piece to the groups along an edge. A group that already runs along the edge is removed
@@ -473,13 +482,8 @@ tl::expected<ConstrainedDelaunay, SegmentConflict> constrained_delaunay(std::spa
         const auto a = vertices[segments[i][0]];
         const auto b = vertices[segments[i][1]];
         if (a == b) return tl::unexpected(SegmentConflict{i});
-        try {
-            triangulation.insert_constraint(a, b);
-        } catch (const Triangulation::Intersection_of_constraints_exception&) {
-            return tl::unexpected(SegmentConflict{i});
-        }
-        // A point on the segment splits the segment without an error.
-        if (!triangulation.is_edge(a, b)) return tl::unexpected(SegmentConflict{i});
+        if (first_vertex_along(triangulation, a, b) != b) return tl::unexpected(SegmentConflict{i});
+        triangulation.insert_constraint(a, b);
     }
     result.vertex_of = numbers_of(vertices, points.size());
     result.branches = find_branches(result.vertex_of, segments);
