@@ -12,6 +12,40 @@
 
 #include <utility>
 
+// CGAL's functions of this name branch on signs of intervals. An uncertain sign makes them throw an exception, which
+// CGAL catches; there are no exceptions in WebAssembly. These overloads return an uncertain sign instead, after which
+// CGAL computes exactly, too.
+namespace CGAL {
+
+using Interval = Interval_nt<false>;
+
+inline bool is_zero(const Uncertain<Sign>& sign) {
+    return sign.is_certain() && sign.make_certain() == ZERO;
+}
+
+inline Uncertain<Sign> coplanar_orientationC3(const Interval& px, const Interval& py, const Interval& pz,
+                                              const Interval& qx, const Interval& qy, const Interval& qz,
+                                              const Interval& rx, const Interval& ry, const Interval& rz) {
+    Uncertain<Sign> sign = orientationC2(px, py, qx, qy, rx, ry);
+    if (is_zero(sign)) sign = orientationC2(py, pz, qy, qz, ry, rz);
+    if (is_zero(sign)) sign = orientationC2(px, pz, qx, qz, rx, rz);
+    return sign;
+}
+
+inline Uncertain<Sign> coplanar_orientationC3(const Interval& px, const Interval& py, const Interval& pz,
+                                              const Interval& qx, const Interval& qy, const Interval& qz,
+                                              const Interval& rx, const Interval& ry, const Interval& rz,
+                                              const Interval& sx, const Interval& sy, const Interval& sz) {
+    const auto product = [](const Uncertain<Sign>& a, const Uncertain<Sign>& b) { return a.is_certain() ? a * b : a; };
+    const Uncertain<Sign> xy = orientationC2(px, py, qx, qy, rx, ry);
+    if (!is_zero(xy)) return product(xy, orientationC2(px, py, qx, qy, sx, sy));
+    const Uncertain<Sign> yz = orientationC2(py, pz, qy, qz, ry, rz);
+    if (!is_zero(yz)) return product(yz, orientationC2(py, pz, qy, qz, sy, sz));
+    return product(orientationC2(px, pz, qx, qz, rx, rz), orientationC2(px, pz, qx, qz, sx, sz));
+}
+
+}  // namespace CGAL
+
 namespace ccdt {
 
 namespace {
