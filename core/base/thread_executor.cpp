@@ -10,13 +10,6 @@ namespace ccdt {
 
 namespace {
 
-class InlineExecutor : public Executor {
-public:
-    void run(std::size_t count, const std::function<void(std::size_t)>& task) override {
-        for (std::size_t number = 0; number < count; ++number) task(number);
-    }
-};
-
 /// Spins for a short time until a condition is true. The condition usually becomes true soon, whereas waking a sleeping
 /// thread takes tens of microseconds.
 template <class Predicate>
@@ -27,11 +20,6 @@ void wait_awake(Predicate&& has_come) {
 }
 
 }  // namespace
-
-Executor& inline_executor() {
-    static InlineExecutor executor;
-    return executor;
-}
 
 ThreadExecutor::ThreadExecutor(std::function<std::size_t()> size) : size_(std::move(size)) {}
 
