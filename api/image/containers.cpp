@@ -65,8 +65,8 @@ std::optional<Chunk> media_box(std::string_view bytes, std::size_t at) {
         whole = *longer;
     }
     if (whole < head) return std::nullopt;
-    whole = std::min<std::uint64_t>(whole, bytes.size() - at);
-    return Chunk{bytes.substr(at + 4, 4), bytes.substr(at + head, whole - head), at, at + whole};
+    const auto present = static_cast<std::size_t>(std::min<std::uint64_t>(whole, bytes.size() - at));
+    return Chunk{bytes.substr(at + 4, 4), bytes.substr(at + head, present - head), at, at + present};
 }
 
 std::optional<Segment> jpeg_segment(std::string_view bytes, std::size_t at) {

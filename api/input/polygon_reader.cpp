@@ -2,7 +2,6 @@
 #include "api/input/polygon_reader.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <iterator>
 #include <optional>
@@ -175,10 +174,10 @@ std::string_view without_added(std::string_view field, const std::vector<Polygon
 }  // namespace
 
 bool PolygonInput::omit(std::string_view kind, const std::string& pointer) {
-    constexpr auto kKinds =
-        std::to_array<std::string_view>({"null", "empty", "Point", "MultiPoint", "LineString", "MultiLineString"});
-    const auto* const known = std::ranges::find(kKinds, kind);
-    if (known == kKinds.end()) return false;
+    static constexpr std::string_view kKinds[] = {"null",       "empty",      "Point",
+                                                  "MultiPoint", "LineString", "MultiLineString"};
+    const std::string_view* const known = std::ranges::find(kKinds, kind);
+    if (known == std::end(kKinds)) return false;
     auto same = std::ranges::find(omitted, kind, &Omitted::kind);
     if (same == omitted.end()) same = omitted.insert(same, {*known, pointer});
     ++same->count;

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <limits>
 #include <utility>
 
 #include "api/image/embedded_image.h"
@@ -12,7 +14,7 @@
 namespace ccdt::api {
 namespace {
 
-constexpr std::size_t kMax = std::size_t{1} << 32;
+constexpr std::size_t kMax = std::numeric_limits<std::uint32_t>::max();
 constexpr std::string_view kData = "data:";
 
 std::size_t components_of(std::string_view shape) {

@@ -22,7 +22,7 @@ struct Kind {
     std::string_view name;
 };
 
-constexpr auto kKinds = std::to_array<Kind>({
+constexpr Kind kKinds[] = {
     {0, "\x89PNG"sv, "a damaged PNG"},
     {4, "ftypcrx "sv, "a camera's raw file"},
     {4, "ftypmif3"sv, "a HEIF or AVIF with minimized properties (mif3)"},
@@ -85,7 +85,7 @@ constexpr auto kKinds = std::to_array<Kind>({
     {0, "\xff\xfe\0\0"sv, "text in UTF-32, not in UTF-8"},
     {0, "\xff\xfe"sv, "text in UTF-16, not in UTF-8"},
     {0, "\xfe\xff"sv, "text in UTF-16, not in UTF-8"},
-});
+};
 
 struct Element {
     std::string_view mark;
@@ -182,10 +182,10 @@ bool is_text(std::string_view bytes) {
 
 std::string_view kind_of_file(std::string_view bytes) {
     if (trim(without_byte_order_mark(bytes), kBlanks).empty()) return "empty";
-    const auto* const kind = std::ranges::find_if(kKinds, [&](const Kind& each) {
+    const Kind* const kind = std::ranges::find_if(kKinds, [&](const Kind& each) {
         return bytes.size() > each.offset && bytes.substr(each.offset).starts_with(each.mark);
     });
-    if (kind != kKinds.end()) return kind->name;
+    if (kind != std::end(kKinds)) return kind->name;
     if (is_dbf(bytes)) return "a .dbf file, which is read in a zip archive with the other files of the shapefile";
     if (is_wkb(bytes)) return "well-known binary (WKB)";
     for (const std::size_t low : {std::size_t{0}, std::size_t{1}}) {

@@ -2,7 +2,6 @@
 #include "api/sample/plane/exclusions.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <iterator>
@@ -103,9 +102,10 @@ Result<Domain> without(const Domain& domain, std::span<const Area> areas, const 
 /// rounded number is not larger than `distance`.
 std::string format_distance(double distance) {
     constexpr double kLess = 0.995;
-    std::array<char, 32> text;
-    const auto end = std::to_chars(text.begin(), text.end(), kLess * distance, std::chars_format::general, 3).ptr;
-    return "about " + std::string(text.begin(), end);
+    char text[32];
+    const char* const end =
+        std::to_chars(text, text + sizeof text, kLess * distance, std::chars_format::general, 3).ptr;
+    return "about " + std::string(text, static_cast<std::size_t>(end - text));
 }
 
 }  // namespace

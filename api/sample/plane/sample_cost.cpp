@@ -45,7 +45,9 @@ Estimate buffer_cost(double corners) {
 /// Returns the maximum number of corners of the outline of an excluded picture. Most outlines have less than a tenth of
 /// this number.
 std::size_t dark_corners(const SampleRequest& request) {
-    return request.region.exclude ? std::min(kMaxExcludedCorners, 4 * request.region.exclude->header.pixels()) : 0;
+    return request.region.exclude
+               ? std::min<std::size_t>(kMaxExcludedCorners, 4 * request.region.exclude->header.pixels())
+               : 0;
 }
 
 /// Estimates the cost of creating the domain: validating the polygons and the avoided areas, and subtracting the

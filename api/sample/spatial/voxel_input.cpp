@@ -35,8 +35,11 @@ Result<VoxelInput> open_npy(std::string_view bytes) {
 
 Result<VoxelInput> open_tiff(std::string_view bytes, const Limits& limits) {
     return read_image_header(bytes, limits.max_pixels).map([&](const ImageHeader& header) {
-        return VoxelInput{
-            {{header.width, header.height, header.frames}, {}}, bytes, header.decoder_bytes, std::nullopt};
+        const auto size = [](std::uint64_t value) { return static_cast<std::size_t>(value); };
+        return VoxelInput{{{size(header.width), size(header.height), size(header.frames)}, {}},
+                          bytes,
+                          size(header.decoder_bytes),
+                          std::nullopt};
     });
 }
 
