@@ -112,3 +112,26 @@ test("the example of the README shows dots in a page of another origin, as the c
   assert.ok(inElement.length > 1000);
   assert.deepEqual(inElement, inClient);
 });
+
+test("the example without a server draws its points in a page", async () => {
+  [, page] = await examplesOf("html");
+  await world.page.goto(origin.url);
+  await world.page.waitForFunction(() => {
+    const { data } = document.querySelector("canvas").getContext("2d").getImageData(0, 0, 400, 400);
+    return data.filter((value) => value > 0).length > 9000;
+  });
+});
+
+test("a page draws a halftone of a picture that the browser decodes, and ends a computation", async () => {
+  page = "<!DOCTYPE html><title>Local</title>";
+  await world.page.goto(origin.url);
+  const [svg, name] = await world.page.evaluate(async () => {
+    const { halftone, sample } = await import("/node_modules/ccdt/wasm.js");
+    const long = { sites: 1_000_000, domain: { type: "torus", width: 1, height: 1 } };
+    const signal = AbortSignal.timeout(300);
+    const ended = await sample(long, { signal }).catch((error) => error.name);
+    return [await halftone("photo.jpg", { sites: 500 }), ended];
+  });
+  assert.equal(svg.match(/<circle|<use|[Mm]/g).length > 400, true);
+  assert.equal(name, "TimeoutError");
+});

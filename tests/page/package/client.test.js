@@ -11,6 +11,7 @@ import { test } from "node:test";
 import * as main from "ccdt";
 import { CcdtError, Client, Job } from "ccdt/client";
 import { HalftoneElement } from "ccdt/element";
+import { bitmapOf, LocalClient, sample } from "ccdt/wasm";
 
 const { CCDT_URL: url, CCDT_LIMITED: limited, CCDT_KEY: key, CCDT_DATA: data } = process.env;
 const client = new Client(url);
@@ -199,4 +200,35 @@ test("the address of the server may have a path", async () => {
   const job = await new Client(`${url}/dots`, { fetch: strip }).sample({ sites: 9, domain: torus }, { job: true });
   assert.equal((await job.result()).points.length, 9);
   assert.deepEqual(seen, ["/dots/sample", `/dots/jobs/${job.id}/events`, `/dots/jobs/${job.id}/result`]);
+});
+
+test("WebAssembly gives the answers of the server", async () => {
+  const request = { sites: 300, domain: torus, format: "csv" };
+  assert.equal(await sample(request), await client.sample(request));
+  const bitmap = bitmapOf({ width: 32, height: 32, data: Uint8Array.from({ length: 4096 }, (_, i) => (i % 4 === 3 ? 255 : i / 16)) });
+  const shares = [];
+  const svg = await new LocalClient().halftone(bitmap, { sites: 200 }, { onProgress: ({ progress }) => shares.push(progress) });
+  assert.equal(svg, await client.halftone(bitmap, { sites: 200, format: "svg" }));
+  assert(shares.length > 0 && shares.every((share) => share > 0 && share < 1));
+});
+
+test("a LocalClient throws the errors of a server", async () => {
+  await assert.rejects(sample({ sites: 0, domain: torus }), (error) =>
+    error instanceof CcdtError && error.status === 400 && error.errors[0].pointer === "/sites");
+  await assert.rejects(sample({ sites: 9, domain: torus, format: "png" }), { status: 406 });
+  await assert.rejects(new LocalClient().capabilities(), { status: 0 });
+});
+
+test("a LocalClient leaves to its server what takes long or is not offered", async () => {
+  const asked = [];
+  const far = new LocalClient({ server: url, seconds: 0.1, fetch: (address, init) => {
+    asked.push(init.method);
+    return fetch(address, init);
+  } });
+  await far.sample({ sites: 100, domain: torus });
+  assert.equal(asked.length, 0);
+  await far.sample({ sites: 100, domain: torus, format: "png" });
+  await far.sample({ sites: 50_000, domain: torus, format: "csv" });
+  await far.capabilities();
+  assert.deepEqual(asked, ["POST", "POST", "GET"]);
 });
