@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The functions of the module ccdt.wasm. README.md describes them, and server/page/package/wasm.js calls them.
+// The functions of the module ccdt.wasm. README.md describes them, and loader.mjs calls them.
 #include <algorithm>
 #include <array>
 #include <cstdint>
