@@ -135,3 +135,16 @@ test("a page draws a halftone of a picture that the browser decodes, and ends a 
   assert.equal(svg.match(/<circle|<use|[Mm]/g).length > 400, true);
   assert.equal(name, "TimeoutError");
 });
+
+test("a computation that is aborted before its worker has it does not begin", async () => {
+  page = "<!DOCTYPE html><title>Local</title>";
+  await world.page.goto(origin.url);
+  const name = await world.page.evaluate(async () => {
+    const { sample } = await import("/node_modules/ccdt/wasm.js");
+    const controller = new AbortController();
+    const ended = sample({ sites: 1000, domain: { type: "torus", width: 1, height: 1 } }, { signal: controller.signal });
+    controller.abort();
+    return ended.then(() => "computed", (error) => error.name);
+  });
+  assert.equal(name, "AbortError");
+});

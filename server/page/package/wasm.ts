@@ -53,6 +53,7 @@ class LocalWorker {
   #idle: Worker[] = [];
 
   async compute(task: Task, progress?: Progress, signal?: AbortSignal | null): Promise<Outcome> {
+    signal?.throwIfAborted();
     if (!globalThis.Worker) return compute(task, progress);
     const worker = this.#idle.pop() ?? new Worker(new URL("./wasm_worker.js", import.meta.url), { type: "module" });
     const listening = new AbortController();
