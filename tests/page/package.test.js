@@ -11,9 +11,10 @@ import { tmpdir } from "node:os";
 import path from "node:path";
 import { after, before, test } from "node:test";
 
-import { closeAtLimit, data, run, serveOrigin, startServer, useBrowser } from "./harness.js";
+import { closeAtLimit, data, patience, run, serveOrigin, startServer, useBrowser } from "./harness.js";
 
 const require = createRequire(path.join(process.env.CCDT_NODE_MODULES, "of-the-tests"));
+const puppeteer = require("puppeteer-core");
 const ts = require("typescript");
 
 const root = path.resolve(import.meta.dirname, "../..");
@@ -147,4 +148,28 @@ test("a computation that is aborted before its worker has it does not begin", as
     return ended.then(() => "computed", (error) => error.name);
   });
   assert.equal(name, "AbortError");
+});
+
+test("Firefox computes without a network, with the bytes of Chromium", async (context) => {
+  if (!process.env.CCDT_FIREFOX?.startsWith("/")) return context.skip("Firefox is missing");
+  page = '<!DOCTYPE html><title>Local</title><link rel="icon" href="data:,">';
+  const browser = await puppeteer.launch({ browser: "firefox", executablePath: process.env.CCDT_FIREFOX, timeout: patience });
+  closeAtLimit(() => browser.process().kill("SIGKILL"));
+  const served = await serveOrigin((address) => (address === "/" ? page : readFile(path.join(project, address))));
+  const answers = async (tab, offline) => {
+    await tab.goto(served.url);
+    await tab.evaluate(async () => {
+      globalThis.ccdt = await import("/node_modules/ccdt/wasm.js");
+      globalThis.picture = await (await fetch("chelsea.png")).blob();
+      await ccdt.sample({ sites: 9, domain: { type: "torus", width: 1, height: 1 } });  // loads the module
+    });
+    offline();
+    return tab.evaluate(async () => [
+      await ccdt.sample({ sites: 1000, domain: { type: "torus", width: 1, height: 1 }, format: "csv" }),
+      await ccdt.halftone(picture, { sites: 2000 }),
+    ]);
+  };
+  const inChromium = await answers(world.page, () => {});
+  assert.deepEqual(await answers(await browser.newPage(), served.close), inChromium);
+  await browser.close();
 });
