@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The functions of api that need compiled libraries. The module has none of these, so the functions fail.
 #include "api/image/colour_tags.h"
+#include "api/image/jpeg_writer.h"
 #include "api/image/png_writer.h"
 #include "api/image/tiff_writer.h"
 #include "api/image/webp_writer.h"
+#include "api/output/dot_tiles.h"
 #include "api/output/pdf_drawing.h"
 #include "api/output/svg_renderer.h"
 
@@ -29,6 +31,11 @@ Result<std::string> write_greys(std::span<const std::uint16_t> /*greys*/, int /*
     return not_here("PNG");
 }
 
+Result<std::string> write_jpeg(const DotImage& /*image*/, int /*quality*/, std::optional<double> /*width_mm*/,
+                               const std::stop_token& /*stop*/) {
+    return not_here("JPEG");
+}
+
 Result<std::string> write_tiff(const DotImage& /*image*/, std::optional<double> /*width_mm*/,
                                const std::stop_token& /*stop*/) {
     return not_here("TIFF");
@@ -52,6 +59,9 @@ Result<std::string> render_svg(std::string_view /*svg*/, double /*scale*/) {
 void write_pdf(const PointSet& /*points*/, const Palette& /*palette*/, const Page& /*page*/,
                const DrawingOptions& /*drawing*/, Body& /*body*/, const std::stop_token& /*path_stop*/,
                const std::stop_token& /*stop*/) {}
+
+/// Leaves the body empty, too.
+void write_dot_tiles(const PointSet& /*points*/, Body& /*body*/, const std::stop_token& /*stop*/) {}
 
 bool may_have_profile(std::string_view /*bytes*/, ImageFormat /*format*/) {
     return false;

@@ -82,7 +82,7 @@ public:
 private:
     /// Chooses pseudo-randomly between two halves with equal shares, so that neither loses points systematically.
     bool is_first(std::size_t region) const {
-        std::uint64_t bits = (region << 32 | remaining_[region]) * 0x9e3779b97f4a7c15;
+        std::uint64_t bits = (std::uint64_t{region} << 32 | remaining_[region]) * 0x9e3779b97f4a7c15;
         bits = (bits ^ bits >> 32) * 0xd6e8feb86659fd93;
         return (bits >> 63) != 0;
     }
