@@ -61,7 +61,8 @@ private:
     /// An input point that coincides with other input points.
     struct Shared {
         std::uint32_t vertex, group, point;
-        friend auto operator<=>(const Shared&, const Shared&) = default;  // NOLINT(modernize-use-nullptr): in the default
+        friend auto operator<=>(const Shared&,
+                                const Shared&) = default;  // NOLINT(modernize-use-nullptr): in the default
     };
 
     Point corner(std::uint32_t triangle, std::size_t i) const {

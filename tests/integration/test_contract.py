@@ -552,9 +552,9 @@ class Formats(ContractCase):
             for media in in_space:
                 self.assertEqual(self.pose(path, space, "--header", "Accept: " + media).type, media)
             for media in set(content) - set(for_meshes) - set(in_space) - set(split):
-                if media == "application/vnd.pmtiles":
-                    body = {option: value for option, value in tiles.items() if option != "format"}
-                answer = self.pose(path, device if media in for_devices else body, "--header", "Accept: " + media)
+                posed = device if media in for_devices else tiles if media == "application/vnd.pmtiles" else body
+                answer = self.pose(path, {option: value for option, value in posed.items() if option != "format"},
+                                   "--header", "Accept: " + media)
                 self.assertEqual(answer.type.split(";")[0], media)
             for media in for_meshes:
                 answer = self.ask("/sample?sites=9&mesh=true", "--header", "Accept: " + media, data=MESH)

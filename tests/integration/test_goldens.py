@@ -131,7 +131,6 @@ def samples(formats, methods):
                                 "include": [{"y": 2, "height": 1}], "format": "png",
                                 "domain": {"type": "pixels", "width": 101, "height": 77}}
     yield "order density", {"sites": 500, "order": "progressive", "density": GRID, "domain": RECTANGLE}
-    yield "tiles", {"sites": 700, "coordinates": "lonlat", "format": "pmtiles", "dots_per_tile": 200, **italy}
     yield "order lonlat", {"sites": 500, "order": "progressive", "coordinates": "lonlat",
                            "geometry": polygon("Italy-110m.geojson")}
     yield "torus stealthy", {"sites": 500, "quality": "stealthy", "domain": {**TORUS, "width": 3}}
@@ -142,6 +141,7 @@ def samples(formats, methods):
     yield "avoid", {"avoid": LAKE, **italy}
     yield "exclude", {"exclude": {"image": data_uri(PHOTOS["wedge"])}, **italy}
     yield "buffer", {"avoid": LAKE, "buffer": 0.1, **italy}
+    yield "tiles", {"sites": 700, "coordinates": "lonlat", "format": "pmtiles", "dots_per_tile": 200, **italy}
     yield "buffer lonlat", {"avoid": LAKE, "buffer": 9000, "coordinates": "lonlat", **italy}
     people = {"geometry": LANDS, "sites": {"property": "people", "per": 0.5}}
     for form in formats:

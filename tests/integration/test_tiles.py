@@ -174,9 +174,9 @@ class Tiles(ServerCase):
                                  for _, count in PARTS for name in "ab"})
 
     def test_many_tiles_have_several_directories(self):
-        archive = self.archive(minzoom=13, maxzoom=13)
+        archive = self.archive(minzoom=14, maxzoom=14)
         self.assertGreater(len(archive.ids), 8000)
-        self.assertEqual(len(archive.dots[13]), 10000)
+        self.assertEqual(len(archive.dots[14]), 10000)
 
     def test_one_dot_is_a_map(self):
         ring = [[10, 50], [11, 50], [11, 51]]

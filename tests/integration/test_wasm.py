@@ -29,7 +29,7 @@ MAX_SIZE = 1000 * KIBIBYTE  # of the module, compressed by Brotli
 STEP = 1  # a part of the answers, for the time of the test
 
 # Formats that need compiled libraries or contain a PNG, and the methods of CCDT_BASELINES.
-ABSENT_FORMATS = ("png", "webp", "tiff", "pdf", "mask", "mask16")
+ABSENT_FORMATS = ("png", "jpeg", "webp", "tiff", "pdf", "pmtiles", "mask", "mask16")
 ABSENT_METHODS = ("cvt", "odt", "ccvt", "random")
 
 
