@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Runs ccdt.wasm in browsers, Node.js, Deno and Bun. README.md describes its use.
+// Runs ccdt.wasm in browsers and in Node.js. README.md describes its use.
 
 /** Texts of an answer, in the order of their numbers in module.cpp. */
 const textNumbers = { body: 0, type: 1, warnings: 2, repaired: 3, problem: 4 };

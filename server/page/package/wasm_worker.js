@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Answers the messages of wasm.ts: in a worker of a browser, Deno or Bun, or called by Node.js in its own thread.
+// Answers the messages of wasm.ts: in a worker of a browser, or called by Node.js in its own thread.
 
 import { bitmapOf, Engine, Refusal } from "./loader.mjs";
 
