@@ -154,7 +154,9 @@ constexpr auto kGroups = std::to_array<GroupRow>({
     {"Colour", " color palette foreground background "},
     {"Placement", " method quality iterations passes tolerance crease order mesh seed "},
     {"Analysis", " max-frequency spectrum modes "},
-    {"Format and size", " format multipoint width height scale fit gravity antialias width-mm dpi jpeg-quality split "},
+    {"Format and size",
+     " format multipoint width height scale fit gravity antialias width-mm dpi jpeg-quality split minzoom "
+     "maxzoom dots-per-tile "},
     {"Plotters", " paper margin marks style closed pen speed dwell machine dwell-unit pen-down pen-up "},
     {"Devices", " device rotate spot bit-order invert-bits "},
     {"Pixels of a raster", " include calibration "},

@@ -74,7 +74,7 @@ class Setup(unittest.TestCase):
         self.assertEqual(released[1], version, "the first released version in CHANGELOG.md")
 
     def test_the_list_has_its_sections(self):
-        self.assertEqual(set(sections()), {"build", "run", "package", "test", "site", "fuzz", "tools"})
+        self.assertEqual(set(sections()), {"build", "run", "package", "test", "site", "wasm", "fuzz", "tools"})
 
     def test_sections_are_printed_as_listed(self):
         for name, packages in sections().items():

@@ -22,12 +22,13 @@ async function open(address) {
 
 /**
  * Options without a field of the same name. They are older names, shapes, downloads, controls beside the picture, the
- * properties that a map counts, the pen, which has two fields, and paper, which the page adds to drawings itself.
+ * properties that a map counts, the pen, which has two fields, zooms of tiles, and paper, which the page adds to drawings
+ * itself.
  */
 const elsewhere = {
   halftone: ["closed", "dpi", "dwell", "format", "invert", "jpeg_quality", "machine", "margin", "marks", "pen", "split"],
   devices: [],
-  sample: ["polygon", "holes", "geometry", "classes", "object", "iterations", "mesh", "closed", "dpi", "dwell", "jpeg_quality", "machine", "margin", "marks", "pen", "split"],
+  sample: ["polygon", "holes", "geometry", "classes", "object", "iterations", "mesh", "closed", "dots_per_tile", "dpi", "dwell", "jpeg_quality", "machine", "margin", "marks", "maxzoom", "minzoom", "pen", "split"],
   surfaces: ["iterations", "mesh"],
 };
 

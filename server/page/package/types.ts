@@ -62,6 +62,7 @@ interface MediaTypes {
   hpgl: "application/vnd.hp-hpgl";
   gcode: "text/x-gcode";
   dxf: "image/vnd.dxf";
+  pmtiles: "application/vnd.pmtiles";
   ply: "model/ply";
   glb: "model/gltf-binary";
   obj: "model/obj";

@@ -88,7 +88,7 @@ TEST(Request, ChoosesTheFormatByTheSuffix) {
     EXPECT_EQ(Line("sample", {}).format_for("-"), "json");
     EXPECT_EQ(Line("sample", {}).format_for("a.geojson"), "geojson");
     EXPECT_EQ(Line("analyze", {}).format_for("a.svg"), "svg");
-    for (const auto& [name, output] : {std::pair("halftone", "a.jpg"), {"analyze", "a.csv"}, {"sample", "a"}})
+    for (const auto& [name, output] : {std::pair("halftone", "a.gif"), {"analyze", "a.csv"}, {"sample", "a"}})
         EXPECT_NE(Line(name, {}).format_for(output).find("the suffix names no format"), std::string::npos) << output;
     EXPECT_NE(Line("halftone", {"--device=bwr"}).format_for("a.svg").find(".png, .bmp"), std::string::npos);
 }

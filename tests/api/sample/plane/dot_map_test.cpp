@@ -249,8 +249,10 @@ TEST(DotMap, IsWrittenInEveryFormat) {
         const std::string name(format->file.name);
         for (const std::string sites :
              {R"("sites":"people","per":100,)", R"("classes":["people","dogs"],"per":100,)"}) {
-            const std::string width = format->vector() != nullptr ? R"("width_mm":100,)" : "";
-            const auto result = answer(request(sites + width + R"("format":")" + name + '"'));
+            const std::string needed = format->vector() != nullptr ? R"("width_mm":100,)"
+                                       : format->is_tiled()        ? R"("coordinates":"lonlat",)"
+                                                                   : "";
+            const auto result = answer(request(sites + needed + R"("format":")" + name + '"'));
             ASSERT_TRUE(result) << result.error().message;
             EXPECT_FALSE(result->body.empty());
         }
