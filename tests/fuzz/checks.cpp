@@ -79,7 +79,10 @@ void check_error(const Error& error, std::string_view body) {
 void check_error(const Error& error, std::span<const api::TextOption> options) {
     check_error(error);
     const auto is_field = [&](const api::TextOption& option) { return option.name == error.field; };
-    CCDT_CHECK(error.field.empty() || error.field.size() > kMaxFieldLength || std::ranges::any_of(options, is_field));
+    const bool is_missing =
+        error.message.starts_with(error.field) && error.message.find("missing") != std::string::npos;
+    CCDT_CHECK(error.field.empty() || error.field.size() > kMaxFieldLength || is_missing ||
+               std::ranges::any_of(options, is_field));
 }
 
 void check_problem(const server::Problem& problem) {

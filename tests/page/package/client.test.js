@@ -35,7 +35,9 @@ test("answers are objects, strings or Blobs, as the API describes each format", 
   for (const [where, formats, ask] of [
     ["halftone", halftone.formats, (format) => client.halftone(picture, { sites: 50, width_mm: 100, format })],
     ["halftone", halftone.devices.formats, (format) => client.device(picture, { device: "1bit", width: 16, format })],
-    ["sample", sample.formats, (format) => client.sample({ sites: 50, domain: { ...torus, type: "rectangle" }, width_mm: 100, format })],
+    ["sample", sample.formats, (format) => client.sample(format === "pmtiles"
+      ? { sites: 50, polygon: [[0, 0], [9, 0], [9, 8]], coordinates: "lonlat", format }
+      : { sites: 50, domain: { ...torus, type: "rectangle" }, width_mm: 100, format })],
     ["sample", sample.masks, (format) => client.sample({ domain: torus, format })],
     ["sample", sample.pixels.formats, (format) => client.sample({ sites: 5, domain: { ...torus, type: "pixels" }, format })],
     ["sample", sample.surfaces.formats,
