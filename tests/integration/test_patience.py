@@ -262,7 +262,7 @@ class LittleAddressSpace(unittest.TestCase):
     @unittest.skipIf(SANITIZED, "sanitizers need more")
     def test_idle_connections_delay_neither_others_nor_the_shutdown(self):
         with Server("--workers=2", "--memory=700MiB", "--max-connections-per-address=0", "--idle-timeout=300",
-                    limit=f"--as={850 << 20}") as server:
+                    limit=f"--as={880 << 20}") as server:
             with crowd(server, 200):
                 for _ in range(5):
                     ping(server)
