@@ -18,7 +18,7 @@ constexpr double kCellsPerDepth = 64;  // wanted number of cells in the largest 
 constexpr double kMinCellsPerDepth = 4;
 constexpr int kMinSide = 16;
 
-/// Numbers of cells along both sides of a box with these sides.
+/// Returns the number of cells along a side of the box.
 int cells_along(double side, double cell) {
     return good_size(std::max<double>(kMinSide, std::ceil(side / cell)));
 }
@@ -92,14 +92,15 @@ std::vector<BorderEdge> border_of(const Domain& domain) {
 
 }  // namespace
 
-PolygonTaper::PolygonTaper(const Domain& domain)
-    : columns_(cells_along(domain.unit_bounds().max.x, cell_of(domain))),
-      rows_(cells_along(domain.unit_bounds().max.y, cell_of(domain))),
+PolygonTaper::PolygonTaper(const Domain& domain) : PolygonTaper(domain, cell_of(domain)) {}
+
+PolygonTaper::PolygonTaper(const Domain& domain, double cell)
+    : columns_(cells_along(domain.unit_bounds().max.x, cell)),
+      rows_(cells_along(domain.unit_bounds().max.y, cell)),
       transform_({columns_, rows_, 1}) {
     const Point sides = domain.unit_bounds().max;
     const auto columns = static_cast<std::size_t>(columns_), rows = static_cast<std::size_t>(rows_);
     depths_ = coverage(border_of(domain), sides, columns_, rows_);
-    // A border around the grid is outside, too: such a line of cells has squared depths of 0 beyond both of its ends.
     constexpr double kCovered = 1 - 1e-9;
     for (double& depth : depths_) depth = depth > kCovered ? std::numeric_limits<double>::infinity() : 0;
     const double unit = std::sqrt(sides.x * sides.y);
@@ -111,6 +112,7 @@ PolygonTaper::PolygonTaper(const Domain& domain)
     for (std::size_t y = 0; y < rows; ++y) {
         for (std::size_t x = 0; x < columns; ++x) {
             double& depth = depths_[y * columns + x];
+            // All around the grid is outside, too.
             const double to_side = width * (static_cast<double>(std::min(x, columns - 1 - x)) + 1);
             const double to_end = height * (static_cast<double>(std::min(y, rows - 1 - y)) + 1);
             depth = std::max(0.0, std::min({std::sqrt(depth), to_side, to_end}) - cell_);

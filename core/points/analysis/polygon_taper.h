@@ -41,6 +41,9 @@ public:
     std::complex<double> transform(int i, int j) const;
 
 private:
+    /// @param cell  wanted side of the cells in the unit frame
+    PolygonTaper(const Domain& domain, double cell);
+
     double interpolate(const std::vector<double>& values, Point share) const;
 
     int columns_, rows_;

@@ -134,8 +134,9 @@ Spacing summarise(std::size_t count, const std::stop_token& stop, Nearest&& near
         ++with_neighbour;
         spacing.min = std::min(spacing.min, distance);
         sum += distance;
-        weights += weight(i, distance);
-        weighted += weight(i, distance) * distance;
+        const double share = weight(i, distance);
+        weights += share;
+        weighted += share * distance;
     }
     spacing.mean = with_neighbour > 0 ? sum / static_cast<double>(with_neighbour) : kFar;
     if (weights > 0) spacing.mean = weighted / weights;
