@@ -219,12 +219,7 @@ Result<void> settle_polygon(Draft& draft) {
     if (plane == nullptr)
         return failure(ErrorCode::Malformed, "points in polygons must have two coordinates",
                        draft.polygon ? "/polygon" : "/geometry");
-    PolygonInput& polygon = plane->polygon.emplace();
-    if (draft.geometry) {
-        polygon = *std::move(draft.geometry);
-    } else {
-        polygon.parts.push_back({*std::move(draft.polygon), std::move(draft.holes).value_or(std::vector<Ring>())});
-    }
+    plane->polygon = polygons_of(std::move(draft.geometry), std::move(draft.polygon), std::move(draft.holes));
     return {};
 }
 

@@ -242,6 +242,14 @@ std::string PolygonInput::pointer_to(std::string_view field) const {
     return pointer + std::string(field);
 }
 
+PolygonInput polygons_of(std::optional<PolygonInput> geometry, std::optional<Ring> polygon,
+                         std::optional<std::vector<Ring>> holes) {
+    if (geometry) return *std::move(geometry);
+    PolygonInput polygons;
+    polygons.parts.push_back({*std::move(polygon), std::move(holes).value_or(std::vector<Ring>())});
+    return polygons;
+}
+
 Result<Input> require(const Input& object, std::string_view name) {
     const std::string pointer = pointer_below(object.field, name);
     const auto value = json_of(object).find(name);

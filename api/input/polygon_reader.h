@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -79,6 +80,10 @@ Result<Input> require(const Input& object, std::string_view name);
 /// Reads `[[x,y],...]`.
 /// Errors: Malformed, with a JSON Pointer to the faulty value.
 Result<Ring> read_ring(const Input& input);
+
+/// Returns the polygons of a request: those of the member `geometry` or, without it, `polygon` with its holes.
+PolygonInput polygons_of(std::optional<PolygonInput> geometry, std::optional<Ring> polygon,
+                         std::optional<std::vector<Ring>> holes);
 
 /// Reads a list of rings.
 Result<std::vector<Ring>> read_rings(const Input& input);

@@ -428,12 +428,7 @@ Result<void> settle_domain(Draft& draft) {
         if (draft.request.region.coordinates == Coordinates::Plane) return {};
         return failure(ErrorCode::Malformed, "coordinates must be plane if domain is given", "/coordinates");
     }
-    PolygonInput polygon;
-    if (draft.geometry) {
-        polygon = *std::move(draft.geometry);
-    } else {
-        polygon.parts.push_back({*std::move(draft.polygon), std::move(draft.holes).value_or(std::vector<Ring>())});
-    }
+    PolygonInput polygon = polygons_of(std::move(draft.geometry), std::move(draft.polygon), std::move(draft.holes));
     if (auto checked = check_size(polygon); !checked) return checked;
     draft.request.region.domain = std::move(polygon);
     return {};
