@@ -17,7 +17,8 @@
 #include "api/input/device.h"
 #include "api/input/method.h"
 #include "api/output/formats.h"
-#include "api/sample/choice/choice_sample.h"
+#include "api/sample/choice/choice_formats.h"
+#include "api/sample/choice/choice_parser.h"
 #include "api/sample/pixels/pixel_sample.h"
 #include "api/sample/plane/sample_parser.h"
 #include "api/sample/spatial/surface_formats.h"
@@ -87,7 +88,7 @@ Json describe_all(std::span<const Row* const> formats) {
 
 /// Formats of maps that `/sample` reads. A decoding process first converts shapefiles to GeoJSON.
 constexpr std::array<FileFormat, 3> kMaps = {{
-    {"geojson", "GeoJSON", "geojson", "application/geo+json", ""},
+    kGeoJson,
     {"topojson", "TopoJSON", "topojson", "application/json", ""},
     {"shapefile", "Shapefile, zipped", "zip", "application/zip", ""},
 }};

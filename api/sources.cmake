@@ -43,6 +43,7 @@ set(ccdt_api_sources
     input/reference_system.cpp
     input/run_options.cpp
     input/topology_reader.cpp
+    json/feature_texts.cpp
     json/job_document.cpp
     json/json_document.cpp
     map/object_option.cpp
@@ -68,6 +69,8 @@ set(ccdt_api_sources
     output/svg_drawing.cpp
     problem.cpp
     run/deadline.cpp
+    sample/choice/choice_formats.cpp
+    sample/choice/choice_parser.cpp
     sample/choice/choice_sample.cpp
     sample/density_input.cpp
     sample/mask/threshold_mask.cpp
@@ -100,6 +103,8 @@ set(ccdt_api_sources
     surface/surface_header.cpp
     surface/surface_reader.cpp
     surface/words.cpp
+    table/csv_reader.cpp
+    table/point_table.cpp
     text/base64.cpp
     text/file_kind.cpp
     text/numbers.cpp

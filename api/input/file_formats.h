@@ -23,6 +23,12 @@ inline constexpr FileFormat kSvg{"svg", "SVG", "svg", "image/svg+xml", ""};
 inline constexpr FileFormat kPng{"png", "PNG", "png", "image/png", ""};
 inline constexpr FileFormat kCsv{"csv", "CSV", "csv", "text/csv", "; header=present"};
 inline constexpr FileFormat kNpy{"npy", "NPY", "npy", "application/x-npy", ""};  ///< no registered media type
-inline constexpr FileFormat kPly{"ply", "PLY", "ply", "model/ply", ""};          ///< common, but not registered
+inline constexpr FileFormat kGeoJson{"geojson", "GeoJSON", "geojson", "application/geo+json", ""};
+// The media type is in common use, but not registered.
+inline constexpr FileFormat kGeoJsonLines{"ndjson", "GeoJSON, a Feature per line", "ndjson", "application/x-ndjson",
+                                          ""};
+inline constexpr FileFormat kGeoJsonSequence{"geojsonseq", "GeoJSON text sequence", "geojsons",
+                                             "application/geo+json-seq", ""};
+inline constexpr FileFormat kPly{"ply", "PLY", "ply", "model/ply", ""};  ///< common, but not registered
 
 }  // namespace ccdt::api

@@ -18,8 +18,8 @@ using namespace std::string_view_literals;
 constexpr std::string_view kGeoJson = "GeoJSON", kTopoJson = "TopoJSON";
 
 constexpr std::string_view kOfSample =
-    "options in JSON, a map (GeoJSON, TopoJSON or a zipped shapefile), a mesh (STL, OBJ, PLY, OFF, GLB or glTF), and "
-    "voxels (NPY or TIFF)";
+    "options in JSON, a map (GeoJSON, TopoJSON or a zipped shapefile), a mesh (STL, OBJ, PLY, OFF, GLB or glTF), "
+    "voxels (NPY or TIFF), and with candidates=body points (CSV, GeoJSON, NPY or PLY)";
 
 /// Whether a body may be meant as JSON. JSON in UTF-16 is not.
 bool begins_like_json(std::string_view body) {

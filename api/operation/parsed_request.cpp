@@ -11,6 +11,7 @@
 #include "api/halftone/halftone_cost.h"
 #include "api/operation/body_kind.h"
 #include "api/operation/work_progress.h"
+#include "api/sample/choice/choice_parser.h"
 #include "api/sample/choice/choice_sample.h"
 #include "api/sample/mask/threshold_mask.h"
 #include "api/sample/pixels/pixel_sample.h"
@@ -140,6 +141,7 @@ Result<ParsedPointer> parse_halftone_request(std::string_view body, HalftoneBody
 
 Result<ParsedPointer> parse_sample_request(std::string_view body, const std::vector<TextOption>& options,
                                            std::string_view accept, const Limits& limits, std::string_view media_type) {
+    if (asks_for_choice(options)) return pack(parse_choice(body, options, accept, limits), limits);
     if (is_voxel_file(body)) return pack(parse_volume(open_voxels(body, limits), options, accept, limits), limits);
     if (auto file = open_surface(body, media_type, limits.max_faces, limits.max_pixels)) {
         if (asks_for_solid(options)) return pack(parse_solid(*std::move(file), options, accept, limits), limits);

@@ -108,24 +108,14 @@ constexpr PointFormat kDxfPoints{{"dxf", "DXF", "dxf", "image/vnd.dxf", ""},
                                  {},
                                  VectorWriter{plot_points<write_dxf>, {80, 0.3 * kMicrosecond}, true, true}};
 constexpr PointFormat kJsonPoints{kJson, kMinTextBytes, kNumbersCost, {}, ListWriter{false, write_json, true}};
-constexpr FileFormat kGeoJson{"geojson", "GeoJSON", "geojson", "application/geo+json", ""};
 constexpr PointFormat kGeoJsonSinglePoints{
     kGeoJson, kMinFeatureBytes, kFeaturesCost, {}, ListWriter{true, write_point_features}, true};
 constexpr PointFormat kGeoJsonPoints{kGeoJson, kMinTextBytes,        kNumbersCost, {}, ListWriter{true, write_geojson},
                                      false,    &kGeoJsonSinglePoints};
-// The media type is in common use, but not registered.
-constexpr PointFormat kJsonLines{{"ndjson", "GeoJSON, a Feature per line", "ndjson", "application/x-ndjson", ""},
-                                 kMinFeatureBytes,
-                                 kFeaturesCost,
-                                 {},
-                                 ListWriter{true, write_point_lines},
-                                 true};
-constexpr PointFormat kJsonSequence{{"geojsonseq", "GeoJSON text sequence", "geojsons", "application/geo+json-seq", ""},
-                                    kMinFeatureBytes,
-                                    kFeaturesCost,
-                                    {},
-                                    ListWriter{true, write_point_sequence},
-                                    true};
+constexpr PointFormat kJsonLines{
+    kGeoJsonLines, kMinFeatureBytes, kFeaturesCost, {}, ListWriter{true, write_point_lines}, true};
+constexpr PointFormat kJsonSequence{
+    kGeoJsonSequence, kMinFeatureBytes, kFeaturesCost, {}, ListWriter{true, write_point_sequence}, true};
 constexpr PointFormat kCsvPoints{kCsv, kMinTextBytes, kNumbersCost, {}, ListWriter{true, list_csv}, true};
 // The media type is the usual one, but not registered.
 constexpr PointFormat kTilesOfPoints{{"pmtiles", "PMTiles, vector tiles", "pmtiles", "application/vnd.pmtiles", ""},

@@ -363,6 +363,14 @@ AnswerPointer answer_surface_analyze(py::object mesh, const OptionList& options,
 
 using DoubleArray = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
+/// Chooses among candidates, which are rows of a table of numbers.
+AnswerPointer answer_choice(const DoubleArray& table, const OptionList& options, const Running& running) {
+    std::string file =
+        api::npy_header("<f8", static_cast<std::size_t>(table.shape(0)), static_cast<std::size_t>(table.shape(1)));
+    file.append(reinterpret_cast<const char*>(table.data()), static_cast<std::size_t>(table.nbytes()));
+    return run_parsed(api::parse_sample_request(file, text_options(options), "", {}), false, running);
+}
+
 void append_json(std::string& out, const double*& value, std::span<const py::ssize_t> shape) {
     if (shape.empty()) return api::append_shortest(out, *value++);
     out += '[';
@@ -474,6 +482,7 @@ PYBIND11_MODULE(_core, module) {
     module.def("answer_analyze", &answer_analyze, py::arg("body"), py::arg("running"));
     module.def("answer_surface_analyze", &answer_surface_analyze, py::arg("mesh"), py::arg("options"),
                py::arg("running"));
+    module.def("answer_choice", &answer_choice, py::arg("table"), py::arg("options"), py::arg("running"));
     module.def("json_of", &json_of, py::arg("array"));
     module.def(
         "png_pixels", [](const api::Answer& file) { return png_pixels(file.body); }, py::arg("file"));

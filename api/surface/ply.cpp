@@ -86,6 +86,8 @@ public:
     /// Whether the last number was missing because the file ends.
     static bool is_at_end() { return true; }
     std::string position() const { return "byte " + std::to_string(at_); }
+    /// Returns the number of bytes before the next number.
+    std::size_t offset() const { return at_; }
 
     /// Reports what follows the last element.
     template <class Sink>
@@ -104,7 +106,8 @@ private:
 /// Numbers of a text PLY. They may be on any lines.
 class TextNumbers {
 public:
-    TextNumbers(std::string_view text, const PlyHeader& header) : words_(text.substr(header.size), header.lines + 1) {}
+    TextNumbers(std::string_view text, const PlyHeader& header)
+        : size_(text.size()), words_(text.substr(header.size), header.lines + 1) {}
 
     std::optional<double> next(PlyType) {
         word_ = words_.next();
@@ -122,6 +125,7 @@ public:
     std::size_t line() const { return words_.line(); }
     bool is_at_end() const { return word_.empty(); }
     std::string position() const { return "line " + std::to_string(words_.line()); }
+    std::size_t offset() const { return size_ - words_.left(); }
 
     template <class Sink>
     Result<void> finish(Sink&) {
@@ -133,6 +137,7 @@ public:
     }
 
 private:
+    std::size_t size_;
     Words words_;
     std::string_view word_;
 };
@@ -157,17 +162,14 @@ bool is_corners(const PlyProperty& property) {
     return property.is_list && (property.name == "vertex_indices" || property.name == "vertex_index");
 }
 
-/// Keeps the positions of vertices.
-struct PointSink {
+/// Keeps properties of vertices, and the places of their rows.
+struct RowSink {
     static constexpr bool kReads = true, kIsMesh = false;
 
-    std::vector<Point3> points;
+    std::span<const std::string_view> names;
+    PlyRows rows;
 
-    void vertex(Point3 at, std::size_t) { points.push_back(at); }
-    void colour(const std::array<double, 3>&) {}
-    void texture(const std::array<double, 2>&) {}
     void warn(const char*, const std::string&, std::size_t = 1) {}
-    Result<void> face(std::span<const std::uint32_t>, const FacePlace&) { return {}; }
 };
 
 /// Reads the elements of a PLY.
@@ -179,16 +181,22 @@ public:
     Result<void> read(const PlyHeader& header) {
         for (const PlyElement& element : header.elements) {
             if (element.properties.empty()) continue;
-            const bool has_faces = Sink::kIsMesh && (element.name == "face" || element.name == "tristrips");
-            auto right = element.name == "vertex" ? read_vertices(element)
-                         : has_faces              ? read_faces(element)
-                                                  : skip_rows(element);
-            if (!right) return right;
+            if (auto right = read_element(element); !right) return right;
         }
         return numbers_.finish(sink_);
     }
 
 private:
+    Result<void> read_element(const PlyElement& element) {
+        if constexpr (Sink::kIsMesh) {
+            if (element.name == "vertex") return read_vertices(element);
+            if (element.name == "face" || element.name == "tristrips") return read_faces(element);
+        } else {
+            if (element.name == "vertex") return read_rows(element);
+        }
+        return skip_rows(element);
+    }
+
     tl::unexpected<Error> wrong(const PlyElement& element, std::uint64_t row, std::string_view reason) const {
         return unusable_surface(SurfaceFormat::Ply, numbers_.position() + ": " +
                                                         std::string(element.name.substr(0, 30)) + ' ' +
@@ -230,6 +238,36 @@ private:
         return {};
     }
 
+    /// Reads the named properties of vertices.
+    Result<void> read_rows(const PlyElement& element) {
+        const std::size_t properties = element.properties.size();
+        std::vector<double> values(properties + 1, std::numeric_limits<double>::quiet_NaN());
+        std::vector<bool> is_read(properties);
+        std::vector<std::size_t> sources;
+        for (const std::string_view name : sink_.names) {
+            const auto is_named = [name](const PlyProperty& each) { return each.name == name && !each.is_list; };
+            const auto found = std::ranges::find_if(element.properties, is_named);
+            sources.push_back(static_cast<std::size_t>(found - element.properties.begin()));
+            if (sources.back() < properties) is_read[sources.back()] = true;
+        }
+        sink_.rows.ends.push_back(numbers_.offset());
+        for (std::uint64_t row = 0; row < element.count; ++row) {
+            for (std::size_t i = 0; i < properties; ++i) {
+                const PlyProperty& property = element.properties[i];
+                if (!is_read[i]) {
+                    if (auto right = skip_property(element, property, row); !right) return right;
+                    continue;
+                }
+                const auto number = numbers_.next(property.type);
+                if (!number) return missing(element, row);
+                values[i] = *number;
+            }
+            for (std::size_t i = 0; i < sources.size(); ++i) sink_.rows.columns[i].push_back(values[sources[i]]);
+            sink_.rows.ends.push_back(numbers_.offset());
+        }
+        return {};
+    }
+
     Result<void> read_vertices(const PlyElement& element) {
         std::array<bool, 9> has{};
         std::vector<Meaning> meanings;
@@ -237,7 +275,7 @@ private:
             meanings.push_back(meaning_of(property));
             has[static_cast<std::size_t>(meanings.back())] = true;
         }
-        if (Sink::kIsMesh && !(has[0] && has[1] && has[2]))
+        if (!(has[0] && has[1] && has[2]))
             return unusable_surface(SurfaceFormat::Ply, "its vertices lack one of the properties x, y and z");
         const bool has_colour = has[3] && has[4] && has[5], has_texture = has[6] && has[7];
         for (std::uint64_t row = 0; row < element.count; ++row) {
@@ -406,9 +444,29 @@ Result<void> read_ply(std::string_view file, Sink& sink) {
     return ElementReader<BinaryNumbers, Sink>(BinaryNumbers(file, *header), sink).read(*header);
 }
 
-Result<std::vector<Point3>> read_ply_points(std::string_view file) {
-    PointSink sink;
-    return read_ply(file, sink).map([&] { return std::move(sink.points); });
+Result<PlyRows> read_ply_rows(std::string_view file, std::span<const std::string_view> names) {
+    RowSink sink{names, {}};
+    sink.rows.columns.resize(names.size());
+    return read_ply(file, sink).map([&] { return std::move(sink.rows); });
+}
+
+std::string ply_header_for(std::string_view file, const PlyHeader& header, std::size_t vertices) {
+    std::string out;
+    bool is_left_out = false;
+    for (std::string_view rest = file.substr(0, header.size); !rest.empty();) {
+        const std::size_t end = rest.find_first_of("\r\n"), next = rest.find_first_not_of("\r\n", end);
+        const std::string_view line = rest.substr(0, next);
+        rest.remove_prefix(line.size());
+        Words words(line);
+        const std::string_view word = words.next_in_line();
+        if (word == "element") {
+            is_left_out = words.next_in_line() != "vertex";
+            if (!is_left_out) out += "element vertex " + std::to_string(vertices) += line.substr(end);
+        } else if (word != "property" || !is_left_out) {
+            out += line;
+        }
+    }
+    return out;
 }
 
 template Result<void> read_ply(std::string_view, SurfaceCounter&);

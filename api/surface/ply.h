@@ -3,13 +3,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "api/surface/surface_builder.h"
 #include "core/base/result.h"
-#include "core/geometry/point3.h"
 
 namespace ccdt::api {
 
@@ -45,6 +45,11 @@ struct PlyHeader {
     std::uint64_t count(std::string_view name) const;
 };
 
+/// Whether a file is a PLY.
+inline bool is_ply(std::string_view file) {
+    return file.starts_with("ply\n") || file.starts_with("ply\r");
+}
+
 /// Reads the header of a PLY. The names point into the file. Lines may end as in any system. Errors: Unusable, with the
 /// line; also for more than 100 elements or 1,000 properties.
 /// Source: Turk, The PLY Polygon File Format.
@@ -57,8 +62,19 @@ Result<PlyHeader> read_ply_header(std::string_view file);
 template <class Sink>
 Result<void> read_ply(std::string_view file, Sink& sink);
 
-/// Reads the positions of the vertices of a PLY, which needs no faces. Coordinates that are missing are NaN. Errors:
-/// Unusable, with the position in the file.
-Result<std::vector<Point3>> read_ply_points(std::string_view file);
+/// Rows of the vertices of a PLY.
+struct PlyRows {
+    std::vector<std::vector<double>> columns;  ///< [names][vertices]; NaN for properties that the vertices lack
+    std::vector<std::size_t> ends;             ///< [1 + vertices] where the first row begins and each row ends, bytes
+};
+
+/// Reads properties of the vertices of a PLY, which needs no faces. Errors: Unusable, with the position in the file.
+/// @param names  names of properties that are numbers
+Result<PlyRows> read_ply_rows(std::string_view file, std::span<const std::string_view> names);
+
+/// Writes the header of a PLY that has only the vertices of another file, with the same properties and encoding. The
+/// header ends where the rows begin.
+/// @param vertices  new number of vertices
+std::string ply_header_for(std::string_view file, const PlyHeader& header, std::size_t vertices);
 
 }  // namespace ccdt::api

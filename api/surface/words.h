@@ -27,6 +27,9 @@ public:
 
     bool at_end() const { return at_ == end_; }
 
+    /// Returns the number of bytes after the last word.
+    std::size_t left() const { return static_cast<std::size_t>(end_ - at_); }
+
     /// Returns the number of the line of the last word, counted from 1.
     std::size_t line() const { return line_; }
 

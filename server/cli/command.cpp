@@ -9,6 +9,7 @@
 #include "api/halftone/device_picture.h"
 #include "api/input/negotiation.h"
 #include "api/output/formats.h"
+#include "api/sample/choice/choice_formats.h"
 #include "api/sample/pixels/pixel_formats.h"
 #include "api/sample/spatial/surface_formats.h"
 #include "api/sample/spatial/volume_formats.h"
@@ -28,6 +29,7 @@ Formats joined(Formats first, const Formats& second) {
 constexpr auto kHalftoneSchemas = std::to_array<std::string_view>({"HalftoneOptions", "DeviceOptions"});
 constexpr auto kSampleSchemas =
     std::to_array<std::string_view>({"SampleRequest", "PixelRequest", "SurfaceOptions", "VolumeOptions"});
+constexpr auto kChooseSchemas = std::to_array<std::string_view>({"ChoiceOptions"});
 constexpr auto kAnalyzeSchemas = std::to_array<std::string_view>({"AnalyzeRequest", "SurfaceAnalyzeRequest"});
 
 constexpr auto kHalftoneExamples = std::to_array<std::string_view>({
@@ -46,6 +48,11 @@ constexpr auto kSampleExamples = std::to_array<std::string_view>({
     "ccdt sample bunny.obj --sites 4000 --mesh -o remeshed.glb",
     "ccdt sample bunny.obj --domain solid --sites 4000 --mesh -o tetrahedra.vtu",
     "ccdt sample voxels.npy --domain box --sites 4000 -o points.ply",
+});
+constexpr auto kChooseExamples = std::to_array<std::string_view>({
+    "ccdt choose occurrences.csv --sites 500 -o thinned.csv",
+    "ccdt choose stations.geojson --sites 40 --coordinates lonlat --priority rank -o stations40.geojson",
+    "ccdt choose scan.ply --sites 20k -o reduced.ply",
 });
 constexpr auto kAnalyzeExamples = std::to_array<std::string_view>({
     "ccdt analyze points.csv -o spectrum.svg",
@@ -72,6 +79,13 @@ const std::array kCommands = {
                               joined(api::files_of(api::surface_formats()), api::files_of(api::volume_formats())));
             }},
     Command{
+        "choose", "choose an exact number of given points, evenly spread", "FILE... [OPTION]...",
+        "A FILE has a record for each point: a CSV whose first line names the columns, among them x and y, or "
+        "longitude and latitude; GeoJSON with a point for each Feature, also one Feature per line; an NPY file with "
+        "an array of at least two columns; or a PLY. Chosen records of CSV, GeoJSON and PLY are written as they "
+        "are; for NPY, their indices are.",
+        kChooseExamples, kChooseSchemas, [] { return api::files_of(api::choice_formats()); }},
+    Command{
         "analyze", "measure how evenly points are spread", "[POINTS...] [OPTION]...",
         "POINTS is a CSV file with the columns x and y, an NPY file with an array of at least two columns, a PLY, a "
         "JSON list of positions, GeoJSON, or a JSON answer of ccdt sample or ccdt halftone. The "
@@ -90,7 +104,7 @@ constexpr auto kOtherCommands = std::to_array<OtherCommand>({
 
 /// Members of the API that are no options of the program: without a service, on_deadline has no effect, and the input
 /// file contains the points.
-constexpr auto kOmitted = std::to_array<std::string_view>({"on_deadline", "points"});
+constexpr auto kOmitted = std::to_array<std::string_view>({"on_deadline", "points", "candidates"});
 
 const std::array kProgramOptions = {
     Option{.name = "output",
@@ -151,6 +165,7 @@ struct GroupRow {
 constexpr auto kGroups = std::to_array<GroupRow>({
     {"Area", " domain mesh=FILE depth polygon holes geometry object coordinates invalid buffer avoid exclude "},
     {"Dots", " sites minutes per classes properties density fixed sets dot dots tone detail levels alpha invert "},
+    {"Records of points", " x y z priority keep "},
     {"Colour", " color palette foreground background "},
     {"Placement", " method quality iterations passes tolerance crease order mesh seed "},
     {"Analysis", " max-frequency spectrum modes "},

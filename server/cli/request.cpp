@@ -146,6 +146,11 @@ std::vector<const api::FileFormat*> formats_of(const Command& command, const Arg
 }  // namespace
 
 Result<ApiRequest> build_request(const Command& command, const Arguments& arguments, const std::string* input) {
+    if (command.name == "choose") {
+        ApiRequest request{input != nullptr ? *input : std::string(), {{"candidates", "body"}}};
+        for (const auto& [option, value, typed] : arguments.given) request.options.push_back({option->member, value});
+        return request;
+    }
     const std::string* const mesh = find_mesh(arguments);
     const std::string* const density = arguments.find("density");
     const bool has_voxels = input == nullptr && density != nullptr && api::is_voxel_file(*density);
@@ -190,7 +195,7 @@ Result<api::ParsedPointer> parse_request(const Command& command, const ApiReques
     const auto& [body, options] = request;
     if (command.name == "halftone")
         return api::parse_halftone_request(body, api::HalftoneBody::Picture, options, "", limits);
-    if (command.name == "sample") return api::parse_sample_request(body, options, "", limits);
+    if (command.name != "analyze") return api::parse_sample_request(body, options, "", limits);
     return api::parse_analyze_request(body, options, "", limits);
 }
 

@@ -224,6 +224,12 @@ private:
         message += ", not '" + given->typed + "'";
     }
 
+    /// Whether the answer has the format of the input by default, which its suffix may not tell.
+    bool keeps_format(const Task& task) const {
+        const auto suffix = [](const std::string& file) { return std::filesystem::path(file).extension(); };
+        return command_.name == "choose" && suffix(task.input) == suffix(task.output);
+    }
+
     tl::expected<void, Failed> answer(const Task& task) {
         const auto start = std::chrono::steady_clock::now();
         std::optional<std::string> input;
@@ -239,7 +245,8 @@ private:
         if (command_.name == "sample" && input && input->starts_with(api::kZipSignature)) {
             if (auto converted = convert(*input, arguments); !converted) return converted;
         }
-        const bool sets_format = task.output != kStandardStream && arguments.find("format") == nullptr;
+        const bool sets_format =
+            task.output != kStandardStream && arguments.find("format") == nullptr && !keeps_format(task);
         if (sets_format) {
             auto added = input && arguments.given.empty() ? add_format(command_, *task.format, *input) : false;
             if (!added) {

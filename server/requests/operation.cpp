@@ -6,6 +6,7 @@
 
 #include "api/input/file_formats.h"
 #include "api/map/shapefile_reader.h"
+#include "api/sample/choice/choice_parser.h"
 #include "api/sample/plane/sample_cost.h"
 #include "api/sample/spatial/voxel_input.h"
 #include "api/surface/surface_header.h"
@@ -48,6 +49,16 @@ bool is_mesh(std::string_view type) {
     return api::recognise_surface({}, type).has_value();
 }
 
+/// Whether a content type is that of a table with a record on each line.
+bool is_table(std::string_view type) {
+    return type == api::kCsv.media_type || type == "text/tab-separated-values";
+}
+
+/// Whether the body is a file with candidates.
+bool holds_candidates(const Operation& operation, const ComputeRequest& request) {
+    return operation.takes_candidates && api::asks_for_choice(parse_query(request.query));
+}
+
 /// Whether the body is a mesh or a file of voxels, so that the options are in the query.
 bool holds_shape(const Operation& operation, const ComputeRequest& request) {
     return (operation.takes_voxels && api::is_voxel_file(request.body)) ||
@@ -80,12 +91,14 @@ Result<void> check(const Operation& operation, const ComputeRequest& request) {
     const std::string type = media_type(request.content_type);
     if (may_hold_json(type) || type == "multipart/form-data" || (operation.takes_shapefiles && is_zip(type)) ||
         (operation.takes_meshes && is_mesh(type)) ||
-        (operation.takes_voxels && (type == api::kNpy.media_type || type == "image/tiff")))
+        (operation.takes_voxels && (type == api::kNpy.media_type || type == "image/tiff")) ||
+        (operation.takes_candidates && is_table(type)))
         return {};
     return failure(ErrorCode::Unsupported,
                    "the type of the body must be application/json, " +
                        std::string(operation.takes_shapefiles ? "application/zip, " : "") +
                        (operation.takes_voxels ? std::string(api::kNpy.media_type) + ", image/tiff, " : "") +
+                       (operation.takes_candidates ? "text/csv, " : "") +
                        "multipart/form-data, or that of a mesh, such as model/obj, not " + type);
 }
 
@@ -107,6 +120,12 @@ api::Cost cost_of_parsing(const Operation& operation, const ComputeRequest& requ
     constexpr double kSecondsPerByte = 1e-9;
     const double seconds = static_cast<double>(request.body.size()) * kSecondsPerByte;
     if (!reads_json(operation, request)) return {0, seconds};
+    if (holds_candidates(operation, request)) {
+        // The shortest record, such as "1,2" and a line feed, becomes a position and the place of the record.
+        constexpr std::size_t kMemoryPerByte = 16;
+        constexpr double kRecordsPerByte = 10;  // time of records in CSV, relative to that of other bytes
+        return {kMemoryPerByte * request.body.size(), kRecordsPerByte * seconds};
+    }
     if (!holds_shape(operation, request)) return api::cost_of_parsing(request.body);
     // Densities and fixed points are lists in JSON. Each value follows a comma or a bracket, which may be encoded as
     // %2C or %5B.

@@ -19,6 +19,7 @@ struct Operation {
     bool takes_shapefiles;  ///< accepts zipped shapefiles as bodies and converts them to JSON
     bool takes_meshes;      ///< accepts meshes as bodies
     bool takes_voxels;      ///< accepts files of voxels as bodies
+    bool takes_candidates;  ///< accepts files of points as bodies, if an option says so
     /// Name of the form field that becomes the body; a field named `file` is accepted, too.
     std::string_view form_part;
 
@@ -31,9 +32,9 @@ Result<api::ParsedPointer> parse_sample(const ComputeRequest& request, const api
 Result<api::ParsedPointer> parse_analyze(const ComputeRequest& request, const api::Limits& limits);
 
 inline constexpr auto kOperations = std::to_array<Operation>({
-    {"/halftone", true, false, false, false, "image", parse_halftone},
-    {"/sample", false, true, true, true, "map", parse_sample},
-    {"/analyze", false, false, true, false, "mesh", parse_analyze},
+    {"/halftone", true, false, false, false, false, "image", parse_halftone},
+    {"/sample", false, true, true, true, true, "map", parse_sample},
+    {"/analyze", false, false, true, false, false, "mesh", parse_analyze},
 });
 
 /// Finds the operation of a path; null if there is none.

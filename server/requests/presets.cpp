@@ -8,7 +8,7 @@
 #include "api/halftone/device_picture.h"
 #include "api/halftone/halftone.h"
 #include "api/json/json_document.h"
-#include "api/sample/choice/choice_sample.h"
+#include "api/sample/choice/choice_parser.h"
 #include "api/sample/pixels/pixel_sample.h"
 #include "api/sample/plane/sample_parser.h"
 #include "api/sample/spatial/surface_sample.h"

@@ -199,7 +199,7 @@ TEST(Capabilities, ListPixelSetsWithDocumentedFormatsAndOptions) {
 
 TEST(Capabilities, ListChoicesWithDocumentedFormatsAndOptions) {
     const Json choices = capabilities().at("sample").at("choices");
-    const Json documented = properties_of("ChoiceRequest");
+    const Json documented = properties_of("ChoiceOptions");
     EXPECT_EQ(all(choices.at("formats"), "name"), documented.at("format").at("enum").get<std::vector<std::string>>());
     std::set<std::string> names;
     for (const auto& [name, schema] : documented.items()) names.insert(name);

@@ -131,6 +131,19 @@ class Answers(ServerCase, Folder):
                                                     "sites": 50, "format": "csv"})
         self.compare(served, "sample", file, "--fixed", "[[12.5,42]]", "--sites", 50, "--format", "csv")
 
+    def test_choices_equal_those_of_the_service(self):
+        table, features = self.folder / "table.csv", self.folder / "features.json"
+        table.write_text("x,y,name\r\n" + "".join(f"{i % 30},{i // 30},n{i}\r\n" for i in range(900)), newline="")
+        served = self.ask("/sample?candidates=body&sites=40", "--header", "Content-Type: text/csv",
+                          data=table.read_bytes())
+        self.assertEqual(served.body.count(b"\r\n"), 41)
+        self.compare(served, "choose", table, "--sites=40")
+        lines = [json.dumps({"type": "Feature", "geometry": {"type": "Point", "coordinates": [x, 0]}}) for x in range(9)]
+        features.write_text("\n".join(lines))
+        # The suffix of the output is that of the input, so the format is, too.
+        self.assert_done(run("choose", features, "--sites=2", "-o", self.folder / "chosen.json", "--quiet"))
+        self.assertEqual(len(set((self.folder / "chosen.json").read_text().splitlines()) & set(lines)), 2)
+
     def test_analyses_equal_those_of_the_service(self):
         expected = {}
         for kind in ("csv", "npy", "json", "geojson"):
@@ -595,6 +608,8 @@ class Examples(Folder):
         (self.folder / "shape.json").write_text("[[0,0],[4,0],[2,3]]")
         (self.folder / "bunny.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
         numpy.save(self.folder / "voxels.npy", numpy.ones((2, 3, 4)))
+        (self.folder / "occurrences.csv").write_text(
+            "species,decimalLongitude,decimalLatitude\n" + "".join(f"a,{i % 30},{i // 30}\n" for i in range(600)))
         (self.folder / "out").mkdir()
         lines = [line for page in ("README.md", "server/cli/README.md")
                  for block in re.findall(r"^```sh\n(.*?)^```", (ROOT / page).read_text(), re.MULTILINE | re.DOTALL)

@@ -184,6 +184,39 @@ def test_single_points_are_written_in_each_format():
     assert points.write("csv") == ccdt.sample(square, 5).write("csv")
 
 
+def test_choices_are_indices():
+    points = np.random.default_rng(1).random((2000, 2))
+    indices = ccdt.choose(points, 100)
+    assert indices.shape == (100,) and (np.diff(indices) > 0).all()
+    apart = np.linalg.norm(points[indices][:, None] - points[indices], axis=-1) + np.eye(100)
+    assert apart.min() > 0.06  # a hexagonal grid has .107
+    assert {3, 4} <= set(ccdt.choose(points, 100, keep=[3, 4])) & set(ccdt.choose(points, 100, keep=np.arange(2000) < 5))
+    left = ccdt.choose(points, 100, density=points[:, 0] < 0.5)
+    assert (points[left][:, 0] < 0.5).all()
+    ranked = ccdt.choose(points, 100, order="progressive")
+    assert set(ranked) == set(indices) and (np.diff(ranked) < 0).any()
+    solid = ccdt.choose(np.random.default_rng(2).random((500, 3)), 20, domain="solid", seed=np.random.default_rng(3))
+    assert len(solid) == 20
+    hidden = np.ma.masked_array(points, np.arange(4000).reshape(2000, 2) < 1000)
+    with pytest.warns(ccdt.Warning, match="without coordinates are left out: 500"):
+        assert ccdt.choose(hidden, 100).min() >= 500
+
+
+@pytest.mark.parametrize("arguments, options, field, text", [
+    ((np.zeros((5, 4)), 1), {}, "points", r"\[n, 2\] or \[n, 3\], not \[5, 4\]"),
+    ((np.zeros((5, 2)), 6), {}, "sites", "only 5 candidates"),
+    ((np.zeros((5, 2)), 1.5), {}, "sites", "must be an integer"),
+    ((np.zeros((5, 2)), 1), {"density": [1, 2]}, "density", "each of the 5 points"),
+    ((np.zeros((5, 2)), 1), {"density": [1, 2, -1, 0, 0]}, "density", r"density\[2\] must be at least 0"),
+    ((np.zeros((5, 2)), 1), {"priority": "rank"}, "priority", "no column 'rank'"),
+    ((np.zeros((5, 2)), 1), {"keep": [5]}, "keep", "indices below 5"),
+])
+def test_unusable_choices_are_refused(arguments, options, field, text):
+    with pytest.raises(ccdt.Error, match=text) as refused:
+        ccdt.choose(*arguments, **options)
+    assert refused.value.field.split("/")[0] == field
+
+
 def test_dot_maps_have_features_and_classes():
     def feature(x, ones, twos):
         ring = [[x, 0], [x + 1, 0], [x + 1, 1], [x, 1], [x, 0]]

@@ -19,20 +19,21 @@ from .errors import Error, Warning
 
 if TYPE_CHECKING:
     from ._analysis import Analysis, SurfaceAnalysis, analyze
+    from ._choice import choose
     from ._core import __version__
     from ._halftone import DevicePicture, Halftone, halftone
     from ._sample import Points, SurfacePoints, VolumePoints, mask, sample
     from .client import Client
 
 __all__ = ["Analysis", "Box", "Client", "DevicePicture", "Error", "Halftone", "Mesh", "Pixels", "Points", "Rectangle",
-           "Solid", "SurfaceAnalysis", "SurfacePoints", "Torus", "VolumePoints", "Warning", "analyze", "halftone", "mask",
-           "sample"]
+           "Solid", "SurfaceAnalysis", "SurfacePoints", "Torus", "VolumePoints", "Warning", "analyze", "choose",
+           "halftone", "mask", "sample"]
 
 # Modules that are loaded when one of their names is first used.
-_MODULES = {"Analysis": "_analysis", "analyze": "_analysis", "Client": "client", "DevicePicture": "_halftone",
-            "Halftone": "_halftone", "halftone": "_halftone", "Points": "_sample", "mask": "_sample",
-            "SurfaceAnalysis": "_analysis", "SurfacePoints": "_sample", "VolumePoints": "_sample", "sample": "_sample",
-            "__version__": "_core"}
+_MODULES = {"Analysis": "_analysis", "analyze": "_analysis", "choose": "_choice", "Client": "client",
+            "DevicePicture": "_halftone", "Halftone": "_halftone", "halftone": "_halftone", "Points": "_sample",
+            "mask": "_sample", "SurfaceAnalysis": "_analysis", "SurfacePoints": "_sample", "VolumePoints": "_sample",
+            "sample": "_sample", "__version__": "_core"}
 
 
 def __getattr__(name: str) -> Any:

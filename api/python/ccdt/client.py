@@ -11,6 +11,7 @@ from __future__ import annotations
 import contextlib
 import http.client
 import json
+import os
 import random
 import secrets
 import time
@@ -210,6 +211,21 @@ class Client:
         """
         return self._compute(_analyze(points, {"preset": preset, "domain": domain, **options}), progress)
 
+    def choose(self, points: Any, sites: int, *, preset: Optional[str] = None, progress: Progress = None,
+               **options: Any) -> Answer:
+        """Chooses exactly ``sites`` of given points, evenly spread.
+
+        Args:
+            points: positions [n, 2] or [n, 3]; or a file with a record for each point (CSV, GeoJSON, NPY or PLY), as a
+                path, bytes or an open file. The answer then has the format of the file, unless ``format`` is given.
+            sites: number of points to choose.
+            preset: as for :meth:`sample`; for a file only.
+            progress: as for :meth:`halftone`.
+            **options: members of the body of ``POST /sample``, such as ``priority=[...]``; for a file, its options, such
+                as ``priority="quality"``.
+        """
+        return self._compute(_choose(points, {"preset": preset, "sites": sites, **options}), progress)
+
     def start_halftone(self, picture: Any, sites: Optional[int] = None, *, preset: Optional[str] = None,
                        **options: Any) -> Job:
         """Starts a job. The parameters are those of :meth:`halftone`."""
@@ -278,6 +294,13 @@ def _sample(domain: Any, members: Mapping[str, Any]) -> Request:
     if is_mesh_file(domain):
         return _mesh_request("/sample", domain, members)
     return "/sample", _body({**region_members(domain), **members}), "application/json"
+
+
+def _choose(points: Any, members: Mapping[str, Any]) -> Request:
+    if isinstance(points, (str, bytes, os.PathLike)) or hasattr(points, "read"):
+        query = urllib.parse.urlencode(texts_of({"candidates": "body", **members}))
+        return "/sample?" + query, read_file(points, "points"), "application/octet-stream"
+    return "/sample", _body({"candidates": points, **members}), "application/json"
 
 
 def _analyze(points: Any, members: Mapping[str, Any]) -> Request:

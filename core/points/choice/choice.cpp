@@ -12,6 +12,7 @@
 #include "core/ccdt/polish/cell_list.h"
 #include "core/geometry/axes.h"
 #include "core/points/choice/exchange_search.h"
+#include "core/points/order/progressive_order.h"
 
 namespace ccdt {
 
@@ -423,6 +424,30 @@ Result<ChosenCandidates> choose_points(const Candidates& candidates, std::size_t
     for (std::size_t i = 0; i < chosen.size(); ++i)
         if (chosen[i] != 0) result.rows.push_back(eligible.rows[i]);
     return result;
+}
+
+std::vector<std::uint32_t> order_choice(const Candidates& candidates, const std::vector<std::uint32_t>& rows,
+                                        const std::stop_token& stop, Executor& executor) {
+    if (rows.size() < 2) return rows;
+    constexpr double kLeastSide = 1e-6;  // of a box around points that lie in a plane
+    Candidates positions;
+    positions.positions = candidates.positions;
+    positions.extent = candidates.extent;
+    positions.torus = candidates.torus;
+    const Chooser::Input input = input_of(positions, Eligible{.rows = rows});
+    const Point3 sides =
+        by_axis<Point3>([&](std::size_t axis) { return std::max(kLeastSide, along(input.sides, axis)); });
+    std::vector<std::uint32_t> order;
+    if (candidates.extent == Extent::Solid) {
+        order = progressive_order_in_space({{}, sides}, false, input.positions, 1, false, stop, executor);
+    } else {
+        // Nothing is known about the sides of a surface.
+        const std::vector<Point3> normals(rows.size(), {0, 0, 1});
+        const double area = std::max({sides.x * sides.y, sides.y * sides.z, sides.z * sides.x});
+        order = progressive_order_on_surface(input.positions, normals, area, false, false, stop, executor);
+    }
+    for (std::uint32_t& each : order) each = rows[each];
+    return order;
 }
 
 }  // namespace ccdt

@@ -49,4 +49,12 @@ struct ChosenCandidates {
 Result<ChosenCandidates> choose_points(const Candidates& candidates, std::size_t count, std::uint64_t seed,
                                        const std::stop_token& stop = {}, Executor& executor = inline_executor());
 
+/// Orders chosen candidates progressively: for any k, the first k are spread as evenly as possible, with the same
+/// relative density as all of them. See progressive_order().
+/// @param rows  result of choose_points() for these candidates
+/// @param stop  after a stop, the order must not be used
+/// Deterministic for any number of threads. O(n log n).
+std::vector<std::uint32_t> order_choice(const Candidates& candidates, const std::vector<std::uint32_t>& rows,
+                                        const std::stop_token& stop = {}, Executor& executor = inline_executor());
+
 }  // namespace ccdt

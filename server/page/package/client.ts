@@ -4,9 +4,10 @@
 import { Connection, contentOf } from "./connection.js";
 import type { Job } from "./connection.js";
 import type {
-  AnalyzeFormat, AnalyzeRequest, Answer, Bytes, Capabilities, DeviceFormat, DeviceOptions, FileInput, HalftoneFormat,
-  HalftoneOptions, MapOptions, RequestOptions, SampleFormat, SampleRequest, SurfaceAnalysis, SurfaceAnalyzeOptions,
-  SurfaceFormat, SurfaceOptions, VolumeFormat, VolumeOptions,
+  AnalyzeFormat, AnalyzeRequest, Answer, Bytes, Capabilities, Choice, ChoiceFormat, ChoiceOptions, ChoiceRequest,
+  DeviceFormat, DeviceOptions, FileInput, HalftoneFormat, HalftoneOptions, MapOptions, RecordFormat, RequestOptions,
+  SampleFormat, SampleRequest, SurfaceAnalysis, SurfaceAnalyzeOptions, SurfaceFormat, SurfaceOptions, VolumeFormat,
+  VolumeOptions,
 } from "./types.js";
 
 export { CcdtError, Connection, Job } from "./connection.js";
@@ -71,6 +72,21 @@ export class Client extends Connection {
   async sampleVoxels<F extends VolumeFormat = "json", C extends Call = {}>(
     voxels: FileInput, options: VolumeOptions & { format?: F }, call?: C): Outcome<Answer<"/sample", F>, C> {
     return this.#send("sample", voxels, options, call);
+  }
+
+  /** Chooses an exact number of given points, evenly spread. The default format is JSON. */
+  async choose<F extends ChoiceFormat = "json", C extends Call = {}>(
+    request: ChoiceRequest & { format?: F }, call?: C): Outcome<Choice<F>, C> {
+    return this.#compute("sample", { body: JSON.stringify(request), type: "application/json" }, call);
+  }
+
+  /**
+   * Chooses among the records of a file: CSV, GeoJSON, NPY or PLY. The default format is JSON, with the indices of the
+   * chosen records. In the file's own format, the answer consists of these records, unchanged.
+   */
+  async chooseRecords<F extends RecordFormat = "json", C extends Call = {}>(
+    file: FileInput, options: ChoiceOptions & { format?: F }, call?: C): Outcome<Choice<F>, C> {
+    return this.#send("sample", file, { format: "json", ...options, candidates: "body" }, call);
   }
 
   /** Measures how evenly points are spread. The default format is JSON. */

@@ -27,6 +27,11 @@ export type SurfaceOptions = Schemas["SurfaceOptions"] & WithPreset;
 /** Options for points in space, with a file of voxels or, with the domain `solid`, of a mesh. */
 export type VolumeOptions = Schemas["VolumeOptions"] & WithPreset;
 
+export type ChoiceRequest = Schemas["ChoiceRequest"];
+
+/** Options for candidates in a file. They name columns of CSV, properties of GeoJSON or a PLY, or columns of NPY. */
+export type ChoiceOptions = Omit<Schemas["ChoiceOptions"], "candidates"> & WithPreset;
+
 /** Options for the analysis of points on a mesh. `points` may also be the text of a file. */
 export type SurfaceAnalyzeOptions = Omit<Schemas["SurfaceAnalyzeOptions"], "points"> & WithPreset & { points: Schemas["Position"][] | string };
 export type SurfaceAnalysis = Schemas["SurfaceAnalysis"];
@@ -36,6 +41,8 @@ export type DeviceFormat = NonNullable<DeviceOptions["format"]>;
 export type SampleFormat = NonNullable<Schemas["SampleOptions"]["format"]>;
 export type SurfaceFormat = NonNullable<SurfaceOptions["format"]>;
 export type VolumeFormat = NonNullable<VolumeOptions["format"]>;
+export type ChoiceFormat = NonNullable<ChoiceRequest["format"]>;
+export type RecordFormat = NonNullable<ChoiceOptions["format"]>;
 export type AnalyzeFormat = NonNullable<AnalyzeRequest["format"]>;
 
 /** Media types of the formats, as in the answer of `/capabilities`. */
@@ -74,6 +81,9 @@ interface MediaTypes {
 /** Content of an answer: an object for JSON and GeoJSON, a string for other text, otherwise a Blob. */
 export type Answer<P extends "/halftone" | "/sample" | "/analyze", F extends keyof MediaTypes> =
   paths[P]["post"]["responses"][200]["content"] extends infer Contents ? Contents[MediaTypes[F] & keyof Contents] : never;
+
+/** Content of an answer with chosen points. */
+export type Choice<F extends RecordFormat> = F extends "json" ? Schemas["ChosenPoints"] : Answer<"/sample", F>;
 
 /** Content of a file. */
 export type Bytes = Blob | ArrayBuffer | ArrayBufferView;

@@ -118,3 +118,6 @@ export const sample: LocalClient["sample"] = (request, call) => client.sample(re
 
 /** Makes a halftone, as LocalClient does without a server. */
 export const halftone: LocalClient["halftone"] = (picture, options, call) => client.halftone(picture, options, call);
+
+/** Chooses among given points, as LocalClient does without a server. */
+export const choose: LocalClient["choose"] = (request, call) => client.choose(request, call);

@@ -97,6 +97,17 @@ test("voxels are read from files", async () => {
   assert.ok(points.length === 50 && points.flat().every((each) => each > 0 && each < 1));
 });
 
+test("points are chosen among given ones", async () => {
+  const candidates = Array.from({ length: 100 }, (_, i) => [i % 10, Math.floor(i / 10)]);
+  const { indices, points } = await client.choose({ candidates, sites: 9, keep: [0] });
+  assert.ok(indices.length === 9 && indices[0] === 0);
+  assert.deepEqual(points, indices.map((index) => candidates[index]));
+  const table = new TextEncoder().encode(`name,x,y\n${candidates.map(([x, y]) => `"${x}",${x}.0,${y}\n`).join("")}`);
+  const lines = await client.chooseRecords(table, { sites: 9, format: "csv" });
+  assert.match(lines, /^name,x,y\n("\d",\d\.0,\d\n){9}$/);
+  assert.equal((await client.chooseRecords(table, { sites: 9, order: "progressive" })).indices.length, 9);
+});
+
 test("a job has states and a result", async () => {
   const options = { sites: 30_000, format: "csv" };
   const job = await client.halftone(picture, options, { job: true });

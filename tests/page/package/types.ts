@@ -25,6 +25,8 @@ export const mesh: Promise<Blob> = client.sampleMesh(picture, { sites: 9, mesh: 
 export const inside: Promise<Blob> = client.sampleMesh(picture, { sites: 9, domain: "solid", mesh: true, format: "vtu" });
 export const voxels: Promise<string> = client.sampleVoxels(picture, { sites: 9, domain: { ...torus, depth: 2 }, format: "csv" });
 export const space: Promise<Blob> = client.sample({ sites: 9, domain: { ...torus, depth: 2 }, mesh: true, format: "msh" });
+export const chosen: Promise<number[]> = client.choose({ candidates: [[0, 0], [1, 1]], sites: 1 }).then((answer) => answer.indices);
+export const records: Promise<string> = client.chooseRecords(picture, { sites: 9, priority: "rank", format: "csv" });
 export const measured: Promise<number> = client.analyze({ points: [[0, 0], [0.5, 0.5]] }).then((answer) => answer.mean_distance);
 export const onMesh: Promise<number[]> = client.analyzeMesh(picture, { points: [[0, 0, 0], [1, 1, 1]], modes: 9 }).then((answer) => answer.eigenvalues);
 export const limit: Promise<number> = client.capabilities().then((answer) => answer.limits.max_sites);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "api/sample/choice/choice_sample.h"
 
+#include "api/sample/choice/choice_parser.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
