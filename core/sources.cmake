@@ -148,6 +148,7 @@ set(ccdt_core_sources
     points/choice/candidate_cells.cpp
     points/choice/choice.cpp
     points/choice/exchange_search.cpp
+    points/choice/packing.cpp
     points/order/progressive_order.cpp
     points/order/reorder.cpp
     points/order/threshold_mask.cpp

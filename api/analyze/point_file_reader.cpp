@@ -14,7 +14,7 @@
 namespace ccdt::api {
 
 Result<std::vector<Point>> read_point_file(std::string_view file, const Limits& limits) {
-    return read_point_table(file, {.axes = {}, .names = {}, .dimensions = 2}, limits).map([](const PointTable& table) {
+    return read_point_table(file, {.dimensions = 2}, limits).map([](const PointTable& table) {
         std::vector<Point> points;
         points.reserve(table.positions.size());
         for (const Point3 p : table.positions) points.push_back({p.x, p.y});
@@ -23,7 +23,7 @@ Result<std::vector<Point>> read_point_file(std::string_view file, const Limits& 
 }
 
 Result<std::vector<Point3>> read_point_file3(std::string_view file, const Limits& limits) {
-    return read_point_table(file, {.axes = {}, .names = {}, .dimensions = 3}, limits).map([](PointTable table) {
+    return read_point_table(file, {.dimensions = 3}, limits).map([](PointTable table) {
         return std::move(table.positions);
     });
 }

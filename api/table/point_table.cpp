@@ -18,6 +18,7 @@
 #include "api/table/csv_reader.h"
 #include "api/text/byte_order_mark.h"
 #include "api/text/file_kind.h"
+#include "api/text/numbers.h"
 #include "api/text/text.h"
 #include "core/geometry/axes.h"
 
@@ -65,8 +66,9 @@ public:
     /// Adds a record.
     /// @param place   of the record, for messages: function()
     /// @param values  [names] numbers of the record
+    /// @param label   ignored unless labels are asked for
     template <class Place>
-    Result<void> add(Point3 position, std::span<const double> values, Place&& place) {
+    Result<void> add(Point3 position, std::span<const double> values, std::string_view label, Place&& place) {
         if (records_++ == limits_.max_sites) return too_many(limits_);
         const auto row = static_cast<std::uint32_t>(records_ - 1);
         bool lacks_all = true;
@@ -84,6 +86,7 @@ public:
         if (table_.left_out > 0) table_.rows.push_back(row);
         table_.positions.push_back(position);
         for (std::size_t name = 0; name < values.size(); ++name) table_.columns[name].push_back(values[name]);
+        if (!columns_.label.empty()) table_.labels.add(label);
         return {};
     }
 
@@ -103,6 +106,7 @@ private:
 /// Columns of CSV with what is asked for.
 struct CsvColumns {
     std::vector<std::size_t> axes, names;
+    std::optional<std::size_t> label;
     bool is_lonlat = false;
 };
 
@@ -147,7 +151,15 @@ Result<CsvColumns> find_columns(std::span<const std::string> header, const Point
         if (!index) return no_column(name, header);
         found.names.push_back(*index);
     }
+    found.label = index_of(header, columns.label);
+    if (!columns.label.empty() && !found.label) return no_column(columns.label, header);
     return found;
+}
+
+std::string text_of(double number) {
+    std::string text;
+    append_shortest(text, number);
+    return text;
 }
 
 /// Reads a field of CSV: NaN if it is not a number.
@@ -187,7 +199,8 @@ Result<void> read_csv(std::string_view text, const PointColumns& columns, const 
                 along(position, axis) = std::numeric_limits<double>::infinity();
         }
         for (std::size_t name = 0; name < values.size(); ++name) values[name] = number_of(fields[found->names[name]]);
-        auto added = builder.add(position, values, [&](std::size_t axis) {
+        const std::string_view label = found->label ? std::string_view(fields[*found->label]) : "";
+        auto added = builder.add(position, values, label, [&](std::size_t axis) {
             const std::size_t column = found->axes[axis];
             return reader.position() + ": " + header[column] + " must be a finite number, not '" +
                    excerpt(fields[column]) + "'";
@@ -225,6 +238,9 @@ Result<void> read_array(std::string_view file, const PointColumns& columns, cons
     for (const std::string& name : columns.names) {
         if (auto right = find(name); !right) return right;
     }
+    if (!columns.label.empty()) {
+        if (auto right = find(columns.label); !right) return right;
+    }
     TableBuilder builder(table, columns, limits);
     std::vector<double> values(columns.names.size());
     for (std::size_t i = 0; i < shape[0]; ++i) {
@@ -232,7 +248,8 @@ Result<void> read_array(std::string_view file, const PointColumns& columns, cons
         Point3 position{};
         for (std::size_t axis = 0; axis < table.dimensions; ++axis) along(position, axis) = value(axis);
         for (std::size_t name = 0; name < values.size(); ++name) values[name] = value(table.dimensions + name);
-        auto added = builder.add(position, values, [i](std::size_t) {
+        const std::string label = columns.label.empty() ? "" : text_of(value(sources.size() - 1));
+        auto added = builder.add(position, values, label, [i](std::size_t) {
             return "row " + std::to_string(i) + " of the NPY file is not finite";
         });
         if (!added) return added;
@@ -258,6 +275,7 @@ Result<void> read_ply(std::string_view file, const PointColumns& columns, const 
     for (std::size_t axis = 0; axis < table.dimensions; ++axis)
         names.push_back(columns.axes[axis].empty() ? kAxisNames.substr(axis, 1) : std::string_view(columns.axes[axis]));
     for (const std::string& name : columns.names) names.emplace_back(name);
+    if (!columns.label.empty()) names.emplace_back(columns.label);
     for (std::size_t i = 0; i < names.size(); ++i) {
         const bool is_given = i >= table.dimensions || !columns.axes[i].empty();
         if (is_given && !index_of(known, names[i])) return no_column(names[i], known);
@@ -271,7 +289,8 @@ Result<void> read_ply(std::string_view file, const PointColumns& columns, const 
         for (std::size_t axis = 0; axis < table.dimensions; ++axis) along(position, axis) = rows->columns[axis][i];
         for (std::size_t name = 0; name < values.size(); ++name)
             values[name] = rows->columns[table.dimensions + name][i];
-        auto added = builder.add(position, values, [&](std::size_t axis) {
+        const std::string label = columns.label.empty() ? "" : text_of(rows->columns.back()[i]);
+        auto added = builder.add(position, values, label, [&](std::size_t axis) {
             return "vertex " + std::to_string(i) + " of the PLY has no finite " + std::string(names[axis]);
         });
         if (!added) return added;
@@ -289,7 +308,8 @@ Result<void> read_list(JsonValue root, const PointColumns& columns, const Limits
     const bool has_height =
         list.is_array() && list.size() > 0 && (*list.begin()).is_array() && (*list.begin()).size() == 3;
     table.dimensions = columns.dimensions > 0 ? columns.dimensions : has_height ? 3 : 2;
-    if (!columns.names.empty()) return no_column(columns.names.front(), {});
+    for (const std::string& name : columns.names) return no_column(name, {});
+    if (!columns.label.empty()) return no_column(columns.label, {});
     if (table.dimensions == 3) return assign(table.positions, read_points3(input, limits));
     const auto points = read_points(input, limits);
     if (!points) return tl::unexpected(points.error());
@@ -297,10 +317,13 @@ Result<void> read_list(JsonValue root, const PointColumns& columns, const Limits
     return {};
 }
 
-/// Reads a number among the properties of a feature: NaN if there is none.
-double property_of(JsonValue feature, std::string_view name) {
+std::optional<JsonValue> property_of(JsonValue feature, std::string_view name) {
     const auto properties = feature.is_object() ? feature.find("properties") : std::nullopt;
-    const auto value = properties && properties->is_object() ? properties->find(name) : std::nullopt;
+    return properties && properties->is_object() ? properties->find(name) : std::nullopt;
+}
+
+/// Returns the value of a property: NaN if it is not a number.
+double number_of(std::optional<JsonValue> value) {
     if (value && value->is_boolean()) return value->boolean() ? 1 : 0;
     return value && value->is_number() ? value->number() : kNone;
 }
@@ -317,8 +340,10 @@ Result<void> read_feature(JsonValue feature, std::string_view pointer, const Poi
         position = {points->front().x, points->front().y, 0};
     }
     std::vector<double> values;
-    for (const std::string& name : columns.names) values.push_back(property_of(feature, name));
-    return builder.add(position, values, [pointer](std::size_t) { return std::string(pointer) + " has no geometry"; });
+    for (const std::string& name : columns.names) values.push_back(number_of(property_of(feature, name)));
+    const auto label = property_of(feature, columns.label);
+    return builder.add(position, values, label ? label_of(*label) : "",
+                       [pointer](std::size_t) { return std::string(pointer) + " has no geometry"; });
 }
 
 Result<void> read_features(std::string_view file, const FeatureTexts& texts, const PointColumns& columns,
@@ -370,6 +395,22 @@ Result<void> read_json(std::string_view file, const PointColumns& columns, const
 }
 
 }  // namespace
+
+void Labels::add(std::string_view name) {
+    auto found = numbers_.find(name);
+    if (found == numbers_.end()) {
+        found = numbers_.emplace(name, static_cast<std::uint32_t>(names.size())).first;
+        names.emplace_back(name);
+    }
+    number.push_back(found->second);
+}
+
+std::string label_of(JsonValue value) {
+    std::string text;
+    if (value.is_string()) return value.text();
+    if (!value.is_null()) append_json(text, value);
+    return text;
+}
 
 std::string PointTable::place_of(std::size_t position, std::string_view file) const {
     const std::uint32_t row = row_of(position);

@@ -4,11 +4,14 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "api/json/feature_texts.h"
+#include "api/json/json_document.h"
 #include "api/run/options.h"
 #include "core/base/result.h"
 #include "core/geometry/point3.h"
@@ -30,14 +33,27 @@ enum class PointFileKind : std::uint8_t {
 struct PointColumns {
     /// Names of the columns with the coordinates x, y and z. An empty name stands for x, y or z or, in CSV, common
     /// names of longitudes and latitudes. In NPY, columns are named by their number, from 0. GeoJSON has no such names.
-    std::array<std::string, 3> axes;
+    std::array<std::string, 3> axes = {};
     /// Names of columns or properties with numbers.
-    std::vector<std::string> names;
+    std::vector<std::string> names = {};
+    /// Name of a column or property with labels, which may be any text, number or boolean; empty: none.
+    std::string label = {};
     /// Number of coordinates; 0: three if the file has a third one and no longitudes.
     std::size_t dimensions = 0;
     /// Whether each record stands for one point: then a feature of GeoJSON must have a single point, columns of CSV may
     /// be longitudes and latitudes, and records without coordinates are left out. Otherwise, only the points matter.
     bool by_record = false;
+};
+
+/// Labels of points. What is missing has the label "".
+struct Labels {
+    std::vector<std::string> names;     ///< in the order of their first appearance
+    std::vector<std::uint32_t> number;  ///< [points] index of each point's name; empty without labels
+
+    void add(std::string_view name);
+
+private:
+    std::map<std::string, std::uint32_t, std::less<>> numbers_;
 };
 
 /// Points that a file holds, and their records.
@@ -49,6 +65,7 @@ struct PointTable {
     std::vector<std::uint32_t> rows;  ///< [positions] index of the record; empty if no record was left out
     /// [names][positions]; NaN for what is missing or not a number. Booleans are 0 and 1.
     std::vector<std::vector<double>> columns;
+    Labels labels;
     std::vector<TextRange> records;  ///< of all rows; empty for NPY, and for lists and geometries in JSON
     TextRange body;                  ///< what lies between the head and the tail of the file, around all records
     std::size_t left_out = 0;        ///< number of records without coordinates
@@ -60,6 +77,9 @@ struct PointTable {
     /// Returns the record of a position for error messages, such as "line 7".
     std::string place_of(std::size_t position, std::string_view file) const;
 };
+
+/// Returns the label that a value of JSON stands for: a text, a number or a boolean; "" for null.
+std::string label_of(JsonValue value);
 
 /// Reads the points of a file. A byte order mark of UTF-8 is ignored. A CSV must have the same number of fields in
 /// every line. Time: linear in the size of the file.

@@ -165,7 +165,7 @@ struct GroupRow {
 constexpr auto kGroups = std::to_array<GroupRow>({
     {"Area", " domain mesh=FILE depth polygon holes geometry object coordinates invalid buffer avoid exclude "},
     {"Dots", " sites minutes per classes properties density fixed sets dot dots tone detail levels alpha invert "},
-    {"Records of points", " x y z priority keep "},
+    {"Records of points", " x y z priority keep spacing "},
     {"Colour", " color palette foreground background "},
     {"Placement", " method quality iterations passes tolerance crease order mesh seed "},
     {"Analysis", " max-frequency spectrum modes "},

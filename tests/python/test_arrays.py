@@ -197,6 +197,11 @@ def test_choices_are_indices():
     assert set(ranked) == set(indices) and (np.diff(ranked) < 0).any()
     solid = ccdt.choose(np.random.default_rng(2).random((500, 3)), 20, domain="solid", seed=np.random.default_rng(3))
     assert len(solid) == 20
+    kinds = np.where(points[:, 0] < 0.3, "a", "b")
+    assert np.unique(kinds[ccdt.choose(points, 100, classes=kinds)], return_counts=True)[1][0] == round((kinds == "a").mean() * 100)
+    assert (kinds[ccdt.choose(points, {"a": 7}, classes=kinds)] == ["a"] * 7).all()
+    apart = points[ccdt.choose(points, spacing=0.1)]
+    assert (np.linalg.norm(apart[:, None] - apart, axis=-1) + np.eye(len(apart)) >= 0.1).all() and len(apart) > 80
     hidden = np.ma.masked_array(points, np.arange(4000).reshape(2000, 2) < 1000)
     with pytest.warns(ccdt.Warning, match="without coordinates are left out: 500"):
         assert ccdt.choose(hidden, 100).min() >= 500

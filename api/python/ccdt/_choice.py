@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any, List, Optional, Tuple
 
 import numpy as np
@@ -15,8 +16,8 @@ from ._request import check_numbers, masked_values, npy_array, running, warn_of_
 from .errors import Error
 
 
-def choose(points: Any, sites: int, *, density: Any = None, priority: Any = None, keep: Any = None,
-           coordinates: Optional[str] = None, domain: Optional[str] = None, order: Optional[str] = None, seed: Seed = 0,
+def choose(points: Any, sites: Any = None, *, spacing: Optional[float] = None, density: Any = None, priority: Any = None,
+           keep: Any = None, classes: Any = None, coordinates: Optional[str] = None, domain: Optional[str] = None, order: Optional[str] = None, seed: Seed = 0,
            threads: Optional[int] = None, progress: Progress = None) -> npt.NDArray[np.intp]:
     """Chooses exactly ``sites`` of given points, evenly spread, however dense the points are.
 
@@ -24,12 +25,16 @@ def choose(points: Any, sites: int, *, density: Any = None, priority: Any = None
         points: positions [n, 2] or [n, 3], a DataFrame with the columns x and y (and z), or a GeoSeries or a
             GeoDataFrame of points. Points that are NaN, masked or empty are left out, with a warning. Points may
             coincide.
-        sites: number of points to choose.
+        sites: number of points to choose; with ``classes`` also a dict with the number for each class.
+        spacing: instead of ``sites``, the least distance of chosen points; in metres with ``coordinates="lonlat"``. As
+            many points are chosen as fit.
         density: wanted density of the chosen points around each point, [n] numbers of at least 0, of which only ratios
             matter, or the name of a column. Points with the density 0 are not chosen. By default the same everywhere.
         priority: [n] numbers, or the name of a column. Of points that are close to each other, those with higher numbers
             are preferred.
         keep: points that are always chosen: [n] booleans, indices, or the name of a column of booleans.
+        classes: [n] texts or numbers, or the name of a column. The chosen points of each class are spread evenly, and
+            those of all classes together.
         coordinates: ``"lonlat"`` for longitudes and latitudes in degrees, so that the choice is even on the ground. By
             default from the reference system of a GeoSeries or GeoDataFrame; otherwise ``"plane"``.
         domain: for [n, 3] points, ``"surface"`` (the default, such as a scan) or ``"solid"``, if they fill a volume.
@@ -55,11 +60,25 @@ def choose(points: Any, sites: int, *, density: Any = None, priority: Any = None
     if hidden is not None:
         array[hidden.any(axis=1)] = np.nan
     columns = [array]
-    options: List[Tuple[str, str]] = [("candidates", "body"), ("sites", str(_whole(sites)))]
+    options: List[Tuple[str, str]] = [("candidates", "body")]
+    if spacing is not None:
+        options.append(("spacing", repr(float(spacing))))
     for name, values in (("density", density), ("priority", priority), ("keep", keep)):
         if values is not None:
             options.append((name, str(sum(each.shape[1] for each in columns))))
             columns.append(_column(points, values, name, len(array))[:, None])
+    if classes is not None:
+        names, numbers = np.unique(_values(points, classes, "classes", len(array)), return_inverse=True)
+        options.append(("classes", str(sum(each.shape[1] for each in columns))))
+        columns.append(numbers.astype(np.float64)[:, None])
+        if isinstance(sites, dict):
+            known = {name: str(number) for number, name in enumerate(names.tolist())}
+            unknown = [name for name in sites if name not in known]
+            if unknown:
+                raise Error(f"sites: there is no class {unknown[0]!r}", field="sites")
+            sites = {known[name]: _whole(count) for name, count in sites.items()}
+    if sites is not None:
+        options.append(("sites", json.dumps(sites) if isinstance(sites, dict) else str(_whole(sites))))
     if coordinates is None and getattr(getattr(points, "crs", None), "is_geographic", False):
         coordinates = "lonlat"
     for name, value in (("x", "0"), ("y", "1"), ("z", "2" if array.shape[1] == 3 else None),
@@ -78,8 +97,8 @@ def _whole(sites: Any) -> int:
     return int(sites)
 
 
-def _column(points: Any, values: Any, name: str, size: int) -> npt.NDArray[np.float64]:
-    """Returns the numbers of an option for each point."""
+def _values(points: Any, values: Any, name: str, size: int) -> Any:
+    """Returns the values of an option for each point, as an array."""
     if isinstance(values, str):
         try:
             values = points[values]
@@ -87,10 +106,17 @@ def _column(points: Any, values: Any, name: str, size: int) -> npt.NDArray[np.fl
             raise Error(f"{name}: the points have no column {values!r}", field=name) from None
     elif name == "keep":
         values = _mask_of(np.asarray(values), size)
-    array = np.asarray(values, dtype=np.float64)
+    array = np.asanyarray(values)
     if array.shape != (size,):
         raise Error(f"{name} must have a value for each of the {size} points, not the shape {list(array.shape)}",
                     field=name)
+    return array
+
+
+def _column(points: Any, values: Any, name: str, size: int) -> npt.NDArray[np.float64]:
+    """Returns the numbers of an option for each point."""
+    values = _values(points, values, name, size)
+    array = np.asarray(values, dtype=np.float64)
     check_numbers(array, masked_values(values), name)
     if name == "density" and (array < 0).any():
         raise Error(f"density[{np.argmax(array < 0)}] must be at least 0", field=name)

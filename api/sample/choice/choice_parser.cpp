@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -26,13 +27,15 @@ struct Draft {
     std::optional<bool> is_on_globe;
     std::optional<choice::Extent> domain;
     std::optional<std::uint64_t> sites;
+    std::vector<std::pair<std::string, std::uint64_t>> counts;  ///< by class
+    Labels classes;
     std::vector<std::uint64_t> keep;
     Options run;
     std::optional<Input> format;
 
     // Of a file:
     std::array<std::string, 3> axes;
-    std::string density, priority, kept;  ///< names of columns; empty: none
+    std::string density, priority, kept, label;  ///< names of columns; empty: none
 };
 
 Result<void> read_candidates(const Input& input, const Limits& limits, Draft& draft) {
@@ -60,6 +63,45 @@ Result<void> read_numbers(const Input& input, std::vector<Number>& numbers, Read
     return {};
 }
 
+/// Reads the number of sites, or that of each class.
+Result<void> read_counts(const Input& input, Draft& draft) {
+    const auto* const text = std::get_if<std::string_view>(&input.value);
+    if (text != nullptr && text->starts_with('{')) {
+        return parse_json(input).and_then([&](const JsonDocument& document) {
+            return read_counts({input.name, input.field, document.root()}, draft).map_error([&](Error error) {
+                error.field = input.field;
+                return error;
+            });
+        });
+    }
+    const auto* const value = std::get_if<JsonValue>(&input.value);
+    if (value == nullptr || !value->is_object()) return assign(draft.sites, read_integer(input, 0, kMaxInteger));
+    std::uint64_t sum = 0;
+    for (const auto& [name, count] : value->members()) {
+        const std::string field = pointer_below(input.field, name);
+        const auto read = read_integer({field, field, count}, 0, std::numeric_limits<std::uint32_t>::max());
+        if (!read) return tl::unexpected(read.error());
+        draft.counts.emplace_back(name, *read);
+        sum += *read;
+    }
+    draft.sites = sum;
+    return {};
+}
+
+/// Reads the class of each candidate.
+Result<void> read_classes(const Input& input, Draft& draft) {
+    const auto list = std::get<JsonValue>(input.value);
+    if (!list.is_array()) return malformed(input, "must be a list of texts or numbers");
+    for (const JsonValue value : list) {
+        if (value.is_array() || value.is_object())
+            return malformed({pointer_below(input.field, draft.classes.number.size()),
+                              pointer_below(input.field, draft.classes.number.size()), value},
+                             "must be a text or a number");
+        draft.classes.add(label_of(value));
+    }
+    return {};
+}
+
 Result<void> read_column(const Input& input, std::string& column) {
     if (auto read = assign(column, read_text(input)); !read) return read;
     return column.empty() ? malformed(input, "must be the name of a column") : Result<void>();
@@ -72,8 +114,10 @@ constexpr Choice<bool> kOrders[] = {{"none", false}, {"progressive", true}};
 constexpr Choice<choice::Extent> kDomains[] = {{"surface", choice::Extent::Surface}, {"solid", choice::Extent::Solid}};
 constexpr std::array<std::string_view, 1> kBody{"body"};
 
-constexpr std::array<OptionRule<Draft>, 7> kRules = {{
-    {"sites", [](const Input& i, const Limits&, Draft& d) { return assign(d.sites, read_integer(i, 0, kMaxInteger)); }},
+constexpr std::array<OptionRule<Draft>, 8> kRules = {{
+    {"sites", [](const Input& i, const Limits&, Draft& d) { return read_counts(i, d); }},
+    {"spacing",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.spacing, read_number(i, kPositive)); }},
     {"coordinates",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.is_on_globe, read_choice<bool>(i, kCoordinates)); }},
     {"domain", [](const Input& i, const Limits&,
@@ -87,8 +131,9 @@ constexpr std::array<OptionRule<Draft>, 7> kRules = {{
 }};
 
 /// Members of JSON.
-constexpr std::array<OptionRule<Draft>, 4> kMemberRules = {{
+constexpr std::array<OptionRule<Draft>, 5> kMemberRules = {{
     {"candidates", [](const Input& i, const Limits& l, Draft& d) { return read_candidates(i, l, d); }},
+    {"classes", [](const Input& i, const Limits&, Draft& d) { return read_classes(i, d); }},
     {"density",
      [](const Input& i, const Limits&, Draft& d) {
          return read_numbers(i, d.request.density, [](const Input& each) { return read_number(each, kNotNegative); });
@@ -105,7 +150,7 @@ constexpr std::array<OptionRule<Draft>, 4> kMemberRules = {{
 constexpr auto kJsonRules = joined(kRules, kMemberRules);
 
 /// Options beside a file.
-constexpr std::array<OptionRule<Draft>, 7> kColumnRules = {{
+constexpr std::array<OptionRule<Draft>, 8> kColumnRules = {{
     {"candidates", [](const Input& i, const Limits&, Draft&) { return read_word(i, kBody).map([](std::size_t) {}); }},
     {"x", [](const Input& i, const Limits&, Draft& d) { return read_column(i, d.axes[0]); }},
     {"y", [](const Input& i, const Limits&, Draft& d) { return read_column(i, d.axes[1]); }},
@@ -113,6 +158,7 @@ constexpr std::array<OptionRule<Draft>, 7> kColumnRules = {{
     {"density", [](const Input& i, const Limits&, Draft& d) { return read_column(i, d.density); }},
     {"priority", [](const Input& i, const Limits&, Draft& d) { return read_column(i, d.priority); }},
     {"keep", [](const Input& i, const Limits&, Draft& d) { return read_column(i, d.kept); }},
+    {"classes", [](const Input& i, const Limits&, Draft& d) { return read_column(i, d.label); }},
 }};
 constexpr auto kFileRules = joined(kRules, kColumnRules);
 
@@ -124,16 +170,65 @@ Result<void> check_length(const ChoiceRequest& request, const std::vector<double
                    pointer_below("", name));
 }
 
-/// @param field  Error::field of the option `sites`
-Result<void> settle_sites(Draft& draft, std::string_view field) {
+/// @param field  Error::field of an option
+Result<void> settle_sites(Draft& draft, std::string_view sites, std::string_view spacing) {
+    const std::string field(sites);
     const std::size_t candidates = draft.request.candidates.size();
-    if (!draft.sites) return failure(ErrorCode::Malformed, "sites is missing", std::string(field));
+    if (draft.request.spacing) {
+        if (draft.sites)
+            return failure(ErrorCode::Malformed, "spacing determines the number of sites, so both cannot be given",
+                           std::string(spacing));
+        if (!draft.classes.number.empty() || !draft.request.density.empty())
+            return failure(ErrorCode::Malformed, "spacing cannot be combined with classes or a density",
+                           std::string(spacing));
+        return {};
+    }
+    if (!draft.sites) return failure(ErrorCode::Malformed, "sites is missing", field);
     if (*draft.sites > candidates)
         return failure(ErrorCode::Unusable,
                        "sites is " + std::to_string(*draft.sites) + ", but there are only " +
                            std::to_string(candidates) + " candidates",
-                       std::string(field));
+                       field);
     draft.request.sites = *draft.sites;
+    return {};
+}
+
+/// @param sites    Error::field of the option `sites`
+/// @param classes  that of the option `classes`
+Result<void> settle_classes(Draft& draft, std::string_view sites, std::string_view classes) {
+    constexpr std::size_t kMaxClasses = 1'000;
+    const Labels& labels = draft.classes;
+    if (draft.counts.empty() && labels.number.empty()) return {};
+    if (labels.number.empty())
+        return failure(ErrorCode::Malformed, "sites for each class need classes", std::string(sites));
+    if (labels.number.size() != draft.request.candidates.size())
+        return failure(ErrorCode::Malformed,
+                       "classes has " + std::to_string(labels.number.size()) + " members, but there are " +
+                           std::to_string(draft.request.candidates.size()) + " candidates",
+                       std::string(classes));
+    if (labels.names.size() > kMaxClasses)
+        return failure(ErrorCode::LimitExceeded,
+                       "there are " + std::to_string(labels.names.size()) + " classes, more than the limit, " +
+                           std::to_string(kMaxClasses),
+                       std::string(classes));
+    draft.request.classes = labels.number;
+    if (draft.counts.empty()) return {};
+    draft.request.counts.assign(labels.names.size(), 0);
+    for (const auto& [name, count] : draft.counts) {
+        const auto found = std::ranges::find(labels.names, name);
+        if (found == labels.names.end())
+            return failure(ErrorCode::Malformed,
+                           "there is no class '" + excerpt(name) + "'; the classes are " + join_names(labels.names),
+                           std::string(sites));
+        const auto number = static_cast<std::size_t>(found - labels.names.begin());
+        const auto members = static_cast<std::size_t>(std::ranges::count(labels.number, number));
+        if (count > members)
+            return failure(ErrorCode::Unusable,
+                           "sites is " + std::to_string(count) + " for the class '" + excerpt(name) +
+                               "', which has only " + std::to_string(members) + " candidates",
+                           std::string(sites));
+        draft.request.counts[number] = count;
+    }
     return {};
 }
 
@@ -219,7 +314,7 @@ Result<void> take_columns(Draft& draft, const PointTable& table, std::string_vie
 
 /// Reads the points and columns of a file.
 Result<void> read_file(std::string_view file, const Limits& limits, Draft& draft) {
-    PointColumns columns{.axes = draft.axes, .names = {}, .by_record = true};
+    PointColumns columns{.axes = draft.axes, .names = {}, .label = draft.label, .by_record = true};
     for (const std::string* name : {&draft.density, &draft.priority, &draft.kept}) {
         if (!name->empty()) columns.names.push_back(*name);
     }
@@ -233,6 +328,7 @@ Result<void> read_file(std::string_view file, const Limits& limits, Draft& draft
                               : named(draft.density)  ? "density"
                               : named(draft.priority) ? "priority"
                               : named(draft.kept)     ? "keep"
+                              : named(draft.label)    ? "classes"
                                                       : table.error().field;
         return tl::unexpected(table.error());
     }
@@ -240,6 +336,7 @@ Result<void> read_file(std::string_view file, const Limits& limits, Draft& draft
     ChoiceRequest& request = draft.request;
     request.candidates = std::exchange(table->positions, {});
     table->columns.clear();
+    draft.classes = std::exchange(table->labels, {});
     draft.is_in_space = table->dimensions == 3;
     if (!draft.is_on_globe && table->is_lonlat) draft.is_on_globe = true;
     if (table->left_out > 0)
@@ -282,7 +379,8 @@ Result<ChoiceRequest> parse_choice(JsonValue root, const std::vector<TextOption>
     if (auto read = read_members<Draft>(kJsonRules, root, "", limits, draft); !read)
         return tl::unexpected(read.error());
     ErrorList errors;
-    errors.add(settle_sites(draft, "/sites"));
+    errors.add(settle_sites(draft, "/sites", "/spacing"));
+    errors.add(settle_classes(draft, "/sites", "/classes"));
     errors.add(check_length(draft.request, draft.request.density, "density"));
     errors.add(check_length(draft.request, draft.request.priority, "priority"));
     errors.add(settle_kept(draft));
@@ -298,12 +396,13 @@ Result<ChoiceRequest> parse_choice(JsonValue root, const std::vector<TextOption>
 Result<ChoiceRequest> parse_choice(std::string_view file, const std::vector<TextOption>& options,
                                    std::string_view accept, const Limits& limits) {
     Draft draft;
-    if (auto read = read_options<Draft>(kFileRules, inputs_of(options), "sites", limits, draft); !read)
+    if (auto read = read_options<Draft>(kFileRules, inputs_of(options), limits, draft); !read)
         return tl::unexpected(read.error());
     if (auto read = read_file(file, limits, draft); !read) return tl::unexpected(read.error());
     ChoiceRequest& request = draft.request;
     ErrorList errors;
-    errors.add(settle_sites(draft, "sites"));
+    errors.add(settle_sites(draft, "sites", "spacing"));
+    errors.add(settle_classes(draft, "sites", "classes"));
     errors.add(settle_space(
         draft, [](std::string_view option) { return std::string(option); },
         [&](std::size_t i) { return request.table.place_of(i, file); }));

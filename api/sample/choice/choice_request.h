@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,9 +22,13 @@ struct ChoiceRequest {
     std::vector<Point3> candidates;  ///< as given; z is 0 in the plane
     choice::Extent extent = choice::Extent::Plane;
     bool is_on_globe = false;  ///< whether candidates are longitudes and latitudes
-    std::size_t sites = 0;
+    std::size_t sites = 0;     ///< without a spacing
+    std::optional<double>
+        spacing;  ///< least distance of chosen points, in units of the candidates or, on the globe, metres
     std::vector<double> density, priority;  ///< [candidates] or empty
     std::vector<std::uint8_t> kept;         ///< [candidates] or empty
+    std::vector<std::uint32_t> classes;     ///< [candidates] or empty
+    std::vector<std::size_t> counts;        ///< number of points of each class; empty: in proportion to the candidates
     std::uint64_t seed = 0;
     bool is_progressive = false;           ///< whether the chosen candidates are ordered progressively
     const ChoiceFormat* format = nullptr;  ///< never null in a parsed request

@@ -2,7 +2,7 @@
 #include "api/sample/choice/choice_sample.h"
 
 #include <algorithm>
-#include <array>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,11 +12,19 @@
 #include "api/output/stage_costs.h"
 #include "api/run/stopwatch.h"
 #include "api/sample/choice/choice_formats.h"
+#include "core/base/elementary.h"
 #include "core/ccdt/globe/chart.h"
 #include "core/points/choice/choice.h"
 
 namespace ccdt::api {
 namespace {
+
+/// Returns the spacing in the coordinates in which candidates are chosen: on the globe, those of the unit sphere.
+double chord_of(const ChoiceRequest& request) {
+    constexpr double kEarthRadius = 6'371'008.8;  // mean radius, metres
+    if (!request.is_on_globe) return *request.spacing;
+    return 2 * elementary::sin(std::min(*request.spacing / kEarthRadius / 2, std::numbers::pi / 2));
+}
 
 /// Converts an error of core, whose field is a member of the request, to one about an option beside a file.
 Error error_of(const ChoiceRequest& request, Error error) {
@@ -41,9 +49,13 @@ Result<Answer> run_choice(const ChoiceRequest& request, const Control& control, 
                                 .density = request.density,
                                 .priority = request.priority,
                                 .kept = request.kept,
+                                .classes = request.classes,
+                                .counts = request.counts,
                                 .torus = {}};
     timings.prepare = watch.lap();
-    auto chosen = choose_points(candidates, request.sites, request.seed, control.stop, *control.executor);
+    auto chosen = request.spacing
+                      ? choose_apart(candidates, chord_of(request), control.stop)
+                      : choose_points(candidates, request.sites, request.seed, control.stop, *control.executor);
     if (chosen && request.is_progressive && !control.stop.stop_requested()) {
         auto order = order_choice(candidates, chosen->rows, control.stop, *control.executor);
         if (!control.stop.stop_requested()) chosen->rows = std::move(order);
@@ -55,7 +67,7 @@ Result<Answer> run_choice(const ChoiceRequest& request, const Control& control, 
     answer.partial = control.stop.stop_requested();
     if (auto whole = check_whole(answer.partial, request.on_deadline); !whole) return tl::unexpected(whole.error());
     answer.media_type = request.format->file.content_type();
-    answer.sites = request.sites;
+    answer.sites = chosen->rows.size();
     if (request.format->file.name != kJson.name && !request.warnings.empty())
         answer.warnings = write_warnings(request.warnings);
     Body body(answer, sink, stop_of_writing(control, request.on_deadline));
@@ -67,8 +79,12 @@ Result<Answer> run_choice(const ChoiceRequest& request, const Control& control, 
 Cost cost_of(const ChoiceRequest& request) {
     // Measured: 1 million candidates with 100,000 sites, and 20,480 with 4,096. A site is visited 20 to 200 times.
     constexpr Estimate kCandidate{250, 2 * kMicrosecond}, kVisit{0, 1.2 * kMicrosecond};
-    const auto sites = static_cast<double>(request.sites), candidates = static_cast<double>(request.candidates.size());
-    const double visits = std::min(200 * sites, std::max(2e6, 20 * sites));
+    // With a spacing, all candidates may be chosen.
+    const auto sites = static_cast<double>(request.spacing ? request.candidates.size() : request.sites),
+               candidates = static_cast<double>(request.candidates.size());
+    // With classes, each of them is searched three times.
+    const double rounds = request.classes.empty() ? 1 : 3;
+    const double visits = rounds * std::min(200 * sites, std::max(2e6, 20 * sites));
     // Progressive orders take about as long as visits. An answer of records is at most as large as the file.
     const double order = request.is_progressive ? 20 * sites : 0;
     const double answer =
@@ -79,6 +95,7 @@ Cost cost_of(const ChoiceRequest& request) {
 std::size_t size_of(const ChoiceRequest& request) {
     return request.candidates.size() * sizeof(Point3) + request.kept.size() + request.file.size() +
            request.table.records.size() * sizeof(TextRange) + request.table.rows.size() * sizeof(std::uint32_t) +
+           request.classes.size() * sizeof(std::uint32_t) +
            (request.density.size() + request.priority.size()) * sizeof(double);
 }
 

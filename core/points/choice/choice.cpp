@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -12,6 +13,7 @@
 #include "core/ccdt/polish/cell_list.h"
 #include "core/geometry/axes.h"
 #include "core/points/choice/exchange_search.h"
+#include "core/points/choice/packing.h"
 #include "core/points/order/progressive_order.h"
 
 namespace ccdt {
@@ -62,6 +64,10 @@ double move_reach_for(double ratio) {
 template <class Function>
 void for_evenly(std::span<const std::uint32_t> list, std::size_t count, Function&& function) {
     for (std::size_t each = 0; each < count; ++each) function(list[(2 * each + 1) * list.size() / (2 * count)]);
+}
+
+Point3 torus_of(Point3 sides) {
+    return {sides.x, sides.y, sides.z > 0 ? sides.z : kFlat};
 }
 
 /// Points that the cells want.
@@ -144,15 +150,34 @@ public:
 
     std::size_t shortfall() const { return shortfall_; }
 
-    /// Returns the choice: 1 for chosen candidates.
-    std::vector<std::uint8_t> run(std::uint64_t seed, const std::stop_token& stop) {
+    /// Makes a first choice. May be called once.
+    void start() {
         select();
-        if (selected_.size() > count_) {
-            choose_first();
-            if (!stop.stop_requested()) search(seed, stop);
-        }
-        return std::move(is_chosen_);
+        if (selected_.size() > count_) choose_first();
     }
+
+    /// Improves the choice.
+    /// @param energy  [n] energy of each candidate besides that of the pairs, or empty
+    void improve(std::span<const float> energy, std::uint64_t seed, const std::stop_token& stop) {
+        if (selected_.size() > count_ && count_ > 0 && !stop.stop_requested()) search(energy, seed, stop);
+    }
+
+    const Input& input() const { return input_; }
+    std::size_t count() const { return count_; }
+    /// Returns the choice: 1 for chosen candidates.
+    const std::vector<std::uint8_t>& is_chosen() const { return is_chosen_; }
+    std::size_t selected() const { return selected_.size(); }
+    double spacing(std::size_t candidate) const { return static_cast<double>(spacings_[candidate]); }
+
+    /// Calls function(centre, points) for the cells, with the number of points that a cell wants.
+    template <class Function>
+    void for_wanted(Function&& function) const {
+        for (std::size_t cell = 0; cell < cells_.cells().size(); ++cell)
+            function(cells_.centre(cells_.cells()[cell]), wanted_.in(cell));
+    }
+
+    /// Returns the sides of the torus; 0 if the box is none.
+    Point3 torus() const { return input_.is_torus ? torus_of(input_.sides) : Point3{}; }
 
 private:
     std::size_t size() const { return input_.positions.size(); }
@@ -255,11 +280,6 @@ private:
                    [&](std::uint32_t i) { is_chosen_[i] = lacks ? 1 : 0; });
     }
 
-    Point3 torus() const {
-        if (!input_.is_torus) return {};
-        return {input_.sides.x, input_.sides.y, input_.sides.z > 0 ? input_.sides.z : kFlat};
-    }
-
     /// Returns the energy that the chosen points around each selected candidate should have, due to the soft part of
     /// the pair energy: the sum over the cells around it.
     std::vector<float> wanted_energies(const PairEnergy& energy) const {
@@ -292,7 +312,7 @@ private:
         return crowding;
     }
 
-    void search(std::uint64_t seed, const std::stop_token& stop) {
+    void search(std::span<const float> besides, std::uint64_t seed, const std::stop_token& stop) {
         const double ratio = static_cast<double>(selected_.size()) / static_cast<double>(count_);
         const PairEnergy energy = energy_for(ratio, input_.extent == Extent::Solid);
         std::vector<float> wanted = wanted_energies(energy);
@@ -301,7 +321,8 @@ private:
         std::vector<std::uint8_t> fixed, chosen;
         for (std::size_t each = 0; each < selected_.size(); ++each) {
             const std::uint32_t i = selected_[each];
-            wanted[each] += static_cast<float>(kPriorityWeight * input_.priority[i]);
+            wanted[each] +=
+                static_cast<float>(kPriorityWeight * input_.priority[i]) - (besides.empty() ? 0 : besides[i]);
             positions.push_back(input_.positions[i]);
             spacings.push_back(spacings_[i]);
             fixed.push_back(input_.kept[i]);
@@ -345,57 +366,189 @@ Result<void> check(const Candidates& candidates) {
     return {};
 }
 
-/// Candidates that can be chosen.
-struct Eligible {
-    std::vector<std::uint32_t> rows;
-    double least_density = 0, most_density = 0;
-    std::size_t kept = 0;
+/// Maps candidates into a box from the origin, whose longest side is 1. Halves avoid overflow.
+struct Frame {
+    Point3 origin;     ///< half of it
+    double scale = 1;  ///< half of the longest side
+    Point3 sides;
+
+    Frame(const Candidates& candidates, std::span<const std::uint32_t> rows) {
+        Box3 box{candidates.positions[rows.front()], candidates.positions[rows.front()]};
+        for (const std::uint32_t row : rows) {
+            const std::array<Point3, 3> corners{box.min, box.max, candidates.positions[row]};
+            box = bounds_of(corners);
+        }
+        if (candidates.torus) box = {{}, *candidates.torus};
+        origin = by_axis<Point3>([&](std::size_t axis) { return along(box.min, axis) / 2; });
+        const auto half = [&](std::size_t axis) { return along(box.max, axis) / 2 - along(origin, axis); };
+        const double longest = std::max({half(0), half(1), half(2)});
+        scale = longest > 0 ? longest : 1;
+        sides = by_axis<Point3>([&](std::size_t axis) { return half(axis) / scale; });
+    }
+
+    Point3 operator()(Point3 p) const {
+        return by_axis<Point3>([&](std::size_t axis) {
+            return std::clamp((along(p, axis) / 2 - along(origin, axis)) / scale, 0.0, along(sides, axis));
+        });
+    }
 };
 
-Eligible eligible_of(const Candidates& candidates) {
-    Eligible eligible;
+/// Candidates of a class that can be chosen.
+struct Part {
+    std::vector<std::uint32_t> rows;
+    std::size_t kept = 0, count = 0;
+    Chooser::Input input;
+    std::unique_ptr<Chooser> chooser;  ///< null if no point is wanted
+};
+
+/// Returns the classes; a single one if candidates have none.
+std::vector<Part> parts_of(const Candidates& candidates) {
+    std::size_t classes = 1;
+    for (const std::uint32_t each : candidates.classes) classes = std::max(classes, std::size_t{each} + 1);
+    std::vector<Part> parts(std::max(classes, candidates.counts.size()));
     for (std::uint32_t row = 0; row < candidates.positions.size(); ++row) {
-        const double density = candidates.density.empty() ? 1 : candidates.density[row];
+        Part& part = parts[candidates.classes.empty() ? 0 : candidates.classes[row]];
         const bool is_kept = !candidates.kept.empty() && candidates.kept[row] != 0;
-        eligible.kept += is_kept ? 1 : 0;
-        if (density == 0 && !is_kept) continue;
-        eligible.rows.push_back(row);
-        eligible.most_density = std::max(eligible.most_density, density);
+        part.kept += is_kept ? 1 : 0;
+        if (is_kept || candidates.density.empty() || candidates.density[row] > 0) part.rows.push_back(row);
     }
-    return eligible;
+    return parts;
 }
 
-/// Moves candidates into a box from the origin, and scales their values. Halves avoid overflow.
-Chooser::Input input_of(const Candidates& candidates, const Eligible& eligible) {
+/// Gives each class its count, or a share of `count` in proportion to its candidates.
+Result<void> set_counts(const Candidates& candidates, std::size_t count, std::vector<Part>& parts) {
+    std::size_t kept = 0, eligible = 0;
+    for (const Part& part : parts) kept += part.kept, eligible += part.rows.size();
+    if (kept > count)
+        return failure(
+            ErrorCode::Unusable,
+            std::to_string(kept) + " candidates are kept, but there are only " + std::to_string(count) + " sites",
+            "keep");
+    if (count > eligible)
+        return failure(ErrorCode::Unusable,
+                       "only " + std::to_string(eligible) +
+                           " candidates have a density above 0 or are kept, but there are " + std::to_string(count) +
+                           " sites",
+                       "sites");
+    for (std::size_t number = 0; number < candidates.counts.size(); ++number) {
+        Part& part = parts[number];
+        part.count = candidates.counts[number];
+        if (part.count > part.rows.size() || part.count < part.kept)
+            return failure(ErrorCode::Unusable,
+                           "of the class with the index " + std::to_string(number) + ", " + std::to_string(part.count) +
+                               " sites are wanted, but it has " + std::to_string(part.rows.size()) +
+                               " candidates that have a density above 0 or are kept, and " + std::to_string(part.kept) +
+                               " of them are kept",
+                           "sites");
+    }
+    if (!candidates.counts.empty()) return {};
+    // Kept candidates first, then the rest by the largest remainders.
+    const auto free = static_cast<double>(eligible - kept), wanted = static_cast<double>(count - kept);
+    std::vector<std::pair<double, std::size_t>> remainders;
+    std::size_t rest = count - kept;
+    for (std::size_t number = 0; number < parts.size(); ++number) {
+        Part& part = parts[number];
+        const double share = free > 0 ? wanted * static_cast<double>(part.rows.size() - part.kept) / free : 0;
+        part.count = part.kept + static_cast<std::size_t>(share);
+        rest -= static_cast<std::size_t>(share);
+        remainders.emplace_back(std::floor(share) - share, number);
+    }
+    std::ranges::sort(remainders);
+    for (std::size_t i = 0; rest > 0; i = (i + 1) % parts.size()) {
+        Part& part = parts[remainders[i].second];
+        if (part.count < part.rows.size()) ++part.count, --rest;
+    }
+    return {};
+}
+
+Chooser::Input input_of(const Candidates& candidates, std::span<const std::uint32_t> rows, const Frame& frame) {
     constexpr double kLeastDensity = 1e-12;  // relative to the highest one
     Chooser::Input input;
     input.extent = candidates.extent;
     input.is_torus = candidates.torus.has_value();
-    Box3 box{candidates.positions[eligible.rows.front()], candidates.positions[eligible.rows.front()]};
-    for (const std::uint32_t row : eligible.rows) {
-        const std::array<Point3, 3> corners{box.min, box.max, candidates.positions[row]};
-        box = bounds_of(corners);
-    }
-    if (input.is_torus) box = {{}, *candidates.torus};
-    const auto half = [&](std::size_t axis) { return along(box.max, axis) / 2 - along(box.min, axis) / 2; };
-    const double longest = std::max({half(0), half(1), half(2)}), scale = longest > 0 ? longest : 1;
-    input.sides = by_axis<Point3>([&](std::size_t axis) { return half(axis) / scale; });
+    input.sides = frame.sides;
     const auto [least, most] = candidates.priority.empty() ? std::ranges::minmax_result<double>{0, 0}
                                                            : std::ranges::minmax(candidates.priority);
     const double range = most / 2 - least / 2;
-    for (const std::uint32_t row : eligible.rows) {
-        const Point3 p = candidates.positions[row];
-        input.positions.push_back(by_axis<Point3>([&](std::size_t axis) {
-            const double above = along(p, axis) / 2 - along(box.min, axis) / 2;
-            return std::clamp(above / scale, 0.0, along(input.sides, axis));
-        }));
-        const bool has_density = !candidates.density.empty() && eligible.most_density > 0;
-        input.density.push_back(has_density ? std::max(kLeastDensity, candidates.density[row] / eligible.most_density)
-                                            : 1);
+    double highest = 0;
+    for (const std::uint32_t row : rows)
+        highest = candidates.density.empty() ? 0 : std::max(highest, candidates.density[row]);
+    for (const std::uint32_t row : rows) {
+        input.positions.push_back(frame(candidates.positions[row]));
+        input.density.push_back(highest > 0 ? std::max(kLeastDensity, candidates.density[row] / highest) : 1);
         input.priority.push_back(range > 0 ? (candidates.priority[row] / 2 - least / 2) / range : 0);
         input.kept.push_back(!candidates.kept.empty() && candidates.kept[row] != 0 ? 1 : 0);
     }
     return input;
+}
+
+/// Returns the energy of the candidates of a class due to the chosen points of the others. The energy that the others
+/// should have is subtracted, so that a class does not avoid regions where others are dense.
+std::vector<float> energy_of_others(const std::vector<Part>& parts, const Part& part, Executor& executor) {
+    std::vector<Point3> chosen, centres;
+    std::vector<double> wanted;
+    std::size_t count = 0, selected = 0;
+    for (const Part& other : parts) {
+        if (!other.chooser) continue;
+        count += other.count;
+        selected += other.chooser->selected();
+        if (&other == &part) continue;
+        for (std::size_t i = 0; i < other.rows.size(); ++i)
+            if (other.chooser->is_chosen()[i] != 0) chosen.push_back(other.input.positions[i]);
+        other.chooser->for_wanted([&](Point3 centre, double points) {
+            centres.push_back(centre);
+            wanted.push_back(points);
+        });
+    }
+    const bool is_solid = part.input.extent == Extent::Solid;
+    const PairEnergy pair = energy_for(static_cast<double>(selected) / static_cast<double>(count), is_solid);
+    const double share = static_cast<double>(part.count) / static_cast<double>(count);
+    const double closer = is_solid ? elementary::cbrt(share) : std::sqrt(share);
+    const Point3 torus = part.chooser->torus();
+    const auto cells_of = [&](const std::vector<Point3>& points) {
+        return part.input.is_torus ? CellList3(torus, points) : CellList3(points);
+    };
+    const CellList3 near_points = cells_of(chosen), near_cells = cells_of(centres);
+    std::vector<float> energies(part.rows.size());
+    for_ranges(executor, energies.size(), kRange, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const Point3 p = part.input.positions[i];
+            const double spacing = closer * part.chooser->spacing(i);
+            const double reach = spacing * static_cast<double>(pair.reach);
+            const double core = spacing * static_cast<double>(pair.core_reach);
+            double sum = 0;
+            near_points.for_near(p, reach, [&](Point3 point, std::uint32_t) {
+                const Point3 apart = p - point;
+                const double square = dot(apart, apart), rest = std::max(0.0, 1 - square / (core * core));
+                sum += PairEnergy::soft(square / (reach * reach)) +
+                       static_cast<double>(pair.core) * rest * rest * rest * rest;
+            });
+            near_cells.for_near(p, reach, [&](Point3 centre, std::uint32_t cell) {
+                const Point3 apart = p - centre;
+                sum -= wanted[cell] * PairEnergy::soft(dot(apart, apart) / (reach * reach));
+            });
+            energies[i] = static_cast<float>(sum);
+        }
+    });
+    return energies;
+}
+
+/// Chooses points of each class by themselves, then each class again with regard to the others.
+void choose(std::vector<Part>& parts, std::uint64_t seed, const std::stop_token& stop, Executor& executor) {
+    constexpr int kRounds = 2;
+    constexpr std::uint64_t kStride = 0x9E3779B97F4A7C15;  // of seeds
+    std::size_t classes = 0;
+    for (Part& part : parts) {
+        if (!part.chooser) continue;
+        part.chooser->start();
+        part.chooser->improve({}, seed + kStride * classes++, stop);
+    }
+    for (int round = 0; classes > 1 && round < kRounds; ++round) {
+        for (Part& part : parts) {
+            if (!part.chooser || stop.stop_requested()) continue;
+            part.chooser->improve(energy_of_others(parts, part, executor), seed + kStride * classes++, stop);
+        }
+    }
 }
 
 }  // namespace
@@ -403,26 +556,48 @@ Chooser::Input input_of(const Candidates& candidates, const Eligible& eligible) 
 Result<ChosenCandidates> choose_points(const Candidates& candidates, std::size_t count, std::uint64_t seed,
                                        const std::stop_token& stop, Executor& executor) {
     if (auto checked = check(candidates); !checked) return tl::unexpected(checked.error());
-    Eligible eligible = eligible_of(candidates);
-    if (eligible.kept > count)
-        return failure(ErrorCode::Unusable,
-                       std::to_string(eligible.kept) + " candidates are kept, but there are only " +
-                           std::to_string(count) + " sites",
-                       "keep");
-    if (count > eligible.rows.size())
-        return failure(ErrorCode::Unusable,
-                       "only " + std::to_string(eligible.rows.size()) +
-                           " candidates have a density above 0 or are kept, but there are " + std::to_string(count) +
-                           " sites",
-                       "sites");
+    std::vector<Part> parts = parts_of(candidates);
+    if (auto counted = set_counts(candidates, count, parts); !counted) return tl::unexpected(counted.error());
     if (count == 0) return ChosenCandidates{};
-    if (count == eligible.rows.size()) return ChosenCandidates{std::move(eligible.rows), 0};
-    const Chooser::Input input = input_of(candidates, eligible);
-    Chooser chooser(input, count, executor);
-    ChosenCandidates result{{}, chooser.shortfall()};
-    const std::vector<std::uint8_t> chosen = chooser.run(seed, stop);
-    for (std::size_t i = 0; i < chosen.size(); ++i)
-        if (chosen[i] != 0) result.rows.push_back(eligible.rows[i]);
+    std::vector<std::uint32_t> eligible;
+    for (const Part& part : parts) eligible.insert(eligible.end(), part.rows.begin(), part.rows.end());
+    const Frame frame(candidates, eligible);
+    ChosenCandidates result;
+    for (Part& part : parts) {
+        if (part.count == 0) continue;
+        part.input = input_of(candidates, part.rows, frame);
+        part.chooser = std::make_unique<Chooser>(part.input, part.count, executor);
+        result.shortfall += part.count < part.rows.size() ? part.chooser->shortfall() : 0;
+    }
+    choose(parts, seed, stop, executor);
+    for (const Part& part : parts) {
+        for (std::size_t i = 0; part.chooser && i < part.rows.size(); ++i)
+            if (part.chooser->is_chosen()[i] != 0) result.rows.push_back(part.rows[i]);
+    }
+    std::ranges::sort(result.rows);
+    return result;
+}
+
+Result<ChosenCandidates> choose_apart(const Candidates& candidates, double spacing, const std::stop_token& stop) {
+    if (auto checked = check(candidates); !checked) return tl::unexpected(checked.error());
+    const std::vector<Part> parts = parts_of(candidates);
+    const std::vector<std::uint32_t>& rows = parts.front().rows;
+    if (rows.empty()) return ChosenCandidates{};
+    const Frame frame(candidates, rows);
+    std::vector<Point3> positions;
+    std::vector<double> priorities;
+    std::vector<std::uint8_t> kept;
+    for (const std::uint32_t row : rows) {
+        positions.push_back(frame(candidates.positions[row]));
+        if (!candidates.priority.empty()) priorities.push_back(candidates.priority[row]);
+        kept.push_back(!candidates.kept.empty() && candidates.kept[row] != 0 ? 1 : 0);
+    }
+    const Point3 torus = candidates.torus ? torus_of(frame.sides) : Point3{};
+    ChosenCandidates result;
+    for (const std::uint32_t each : choice::pack(positions, torus, candidates.extent == Extent::Solid, priorities, kept,
+                                                 spacing / 2 / frame.scale, stop))
+        result.rows.push_back(rows[each]);
+    std::ranges::sort(result.rows);
     return result;
 }
 
@@ -430,21 +605,19 @@ std::vector<std::uint32_t> order_choice(const Candidates& candidates, const std:
                                         const std::stop_token& stop, Executor& executor) {
     if (rows.size() < 2) return rows;
     constexpr double kLeastSide = 1e-6;  // of a box around points that lie in a plane
-    Candidates positions;
-    positions.positions = candidates.positions;
-    positions.extent = candidates.extent;
-    positions.torus = candidates.torus;
-    const Chooser::Input input = input_of(positions, Eligible{.rows = rows});
+    const Frame frame(candidates, rows);
+    std::vector<Point3> positions;
+    for (const std::uint32_t row : rows) positions.push_back(frame(candidates.positions[row]));
     const Point3 sides =
-        by_axis<Point3>([&](std::size_t axis) { return std::max(kLeastSide, along(input.sides, axis)); });
+        by_axis<Point3>([&](std::size_t axis) { return std::max(kLeastSide, along(frame.sides, axis)); });
     std::vector<std::uint32_t> order;
     if (candidates.extent == Extent::Solid) {
-        order = progressive_order_in_space({{}, sides}, false, input.positions, 1, false, stop, executor);
+        order = progressive_order_in_space({{}, sides}, false, positions, 1, false, stop, executor);
     } else {
         // Nothing is known about the sides of a surface.
         const std::vector<Point3> normals(rows.size(), {0, 0, 1});
         const double area = std::max({sides.x * sides.y, sides.y * sides.z, sides.z * sides.x});
-        order = progressive_order_on_surface(input.positions, normals, area, false, false, stop, executor);
+        order = progressive_order_on_surface(positions, normals, area, false, false, stop, executor);
     }
     for (std::uint32_t& each : order) each = rows[each];
     return order;

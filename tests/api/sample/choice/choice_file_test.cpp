@@ -113,6 +113,36 @@ TEST(ChoiceFile, ReadsColumns) {
     EXPECT_EQ(Json::parse(body_of(map, {{"sites", "1"}, {"keep", "k"}, {"format", "json"}})).at("indices"), Json({1}));
 }
 
+TEST(ChoiceFile, ChoosesFromEachClass) {
+    std::string csv = "x,y,kind\n";
+    for (int i = 0; i < 90; ++i) csv += std::to_string(i) + ",0," + (i % 3 == 0 ? "a" : "\"b, c\"") + "\n";
+    const auto number_of_a = [&](const std::string& sites) {
+        const std::string body = body_of(csv, {{"sites", sites}, {"classes", "kind"}});
+        return std::ranges::count(body, 'a');
+    };
+    EXPECT_EQ(number_of_a("30"), 10);
+    EXPECT_EQ(number_of_a(R"({"a":4,"b, c":1})"), 4);
+    EXPECT_EQ(error_of(csv, {{"sites", R"({"d":4})"}, {"classes", "kind"}}),
+              "sites: there is no class 'd'; the classes are a, b, c");
+    EXPECT_EQ(error_of(csv, {{"sites", R"({"a":31})"}, {"classes", "kind"}}),
+              "sites: sites is 31 for the class 'a', which has only 30 candidates");
+    EXPECT_EQ(error_of(csv, {{"sites", R"({"a":1})"}}), "sites: sites for each class need classes");
+    EXPECT_EQ(error_of(csv, {{"sites", R"({"a":-1})"}, {"classes", "kind"}}).substr(0, 6), "sites:");
+    EXPECT_EQ(error_of(csv, {{"sites", "3"}, {"classes", "sort"}}),
+              "classes: there is no column 'sort'; the columns are x, y, kind");
+}
+
+TEST(ChoiceFile, ChoosesAsManyAsFit) {
+    EXPECT_EQ(body_of("x,y\n0,0\n1,0\n2,0\n3,0\n4,0\n", {{"spacing", "2"}}), "x,y\n0,0\n2,0\n4,0\n");
+    // A degree of latitude has 111 km.
+    const std::string degrees = "lon,lat\n0,0\n0,1\n0,2\n";
+    EXPECT_EQ(body_of(degrees, {{"spacing", "110000"}}), degrees);
+    EXPECT_EQ(body_of(degrees, {{"spacing", "112000"}}), "lon,lat\n0,0\n0,2\n");
+    EXPECT_EQ(error_of(degrees, {{"spacing", "1"}, {"sites", "2"}}),
+              "spacing: spacing determines the number of sites, so both cannot be given");
+    EXPECT_EQ(error_of(degrees, {{"spacing", "0"}}).substr(0, 8), "spacing:");
+}
+
 TEST(ChoiceFile, OrdersProgressively) {
     std::string csv = "x,y\n";
     for (int i = 0; i < 256; ++i) csv += std::to_string(i % 16) + "," + std::to_string(i / 16) + "\n";
@@ -130,7 +160,7 @@ TEST(ChoiceFile, OrdersProgressively) {
 
 TEST(ChoiceFile, NamesTheOptionTheRecordAndTheLimit) {
     const std::string csv = "x,y,name\n0,0,a\n1,,b\n";
-    EXPECT_EQ(error_of(csv, {}), "sites: sites is missing");
+    EXPECT_EQ(error_of("x,y\n", {}), "sites: sites is missing");
     EXPECT_EQ(error_of(csv, {{"sites", "1"}}), ": line 3: y must be a finite number, not ''");
     const std::string good = "x,y,name\n0,0,a\n1,2,b\n";
     EXPECT_EQ(error_of(good, {{"sites", "3"}}), "sites: sites is 3, but there are only 2 candidates");

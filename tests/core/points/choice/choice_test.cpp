@@ -94,6 +94,83 @@ TEST(Choice, DoesNotDependOnThreads) {
     EXPECT_NE(chosen(candidates, 4'000, 7), chosen(candidates, 4'000, 8));
 }
 
+/// Returns the mean distance to the nearest other point, relative to the hexagonal one.
+double mean_distance(const std::vector<Point3>& positions, const std::vector<std::uint32_t>& rows) {
+    std::vector<std::vector<Point>> sets(1);
+    for (const std::uint32_t row : rows) sets[0].push_back({positions[row].x, positions[row].y});
+    return analyse(sets, *Domain::torus(1, 1), {})->mean_distance;
+}
+
+/// Evenly spread points have 0.85, and random ones 0.46.
+TEST(Choice, SpreadsEachClassAndAllTogether) {
+    constexpr std::size_t kPoints = 2'000;
+    const auto positions = random_positions(20 * kPoints, 3);
+    std::vector<std::uint32_t> classes;
+    for (std::size_t i = 0; i < positions.size(); ++i) classes.push_back(i % 10 < 6 ? 0 : i % 10 < 9 ? 1 : 2);
+    Candidates candidates{.positions = positions};
+    candidates.classes = classes;
+    candidates.torus = Point3{1, 1, 0};
+    const auto rows = chosen(candidates, kPoints);
+    expect_distinct(rows, kPoints, positions.size());
+    std::vector<std::vector<std::uint32_t>> parts(3);
+    for (const std::uint32_t row : rows) parts[classes[row]].push_back(row);
+    EXPECT_EQ(parts[0].size(), 1'200);
+    EXPECT_EQ(parts[1].size(), 600);
+    EXPECT_GT(mean_distance(positions, rows), 0.78);
+    for (const auto& part : parts) EXPECT_GT(mean_distance(positions, part), 0.75) << part.size();
+    ThreadExecutor threads(2);
+    EXPECT_EQ(choose_points(candidates, kPoints, 1, {}, threads)->rows, rows);
+
+    const std::vector<std::size_t> counts{5, 0, 95};
+    candidates.counts = counts;
+    const auto few = chosen(candidates, 100);
+    EXPECT_EQ(number_of(few, [&](std::uint32_t row) { return classes[row] == 2; }), 95);
+    const std::vector<std::size_t> many{0, 0, 4'001};
+    candidates.counts = many;
+    EXPECT_EQ(choose_points(candidates, 4'001, 1).error().field, "sites");
+}
+
+/// With 8 candidates per square of the spacing, a random maximal set has 0.58 points in it.
+TEST(Choice, FitsManyCandidatesThatAreApart) {
+    constexpr double kSpacing = 0.02;
+    const auto positions = random_positions(20'000, 5);
+    Candidates candidates{.positions = positions};
+    candidates.torus = Point3{1, 1, 0};
+    const auto rows = choose_apart(candidates, kSpacing)->rows;
+    const auto distance = [&](std::uint32_t i, std::uint32_t j) {
+        const double x = positions[i].x - positions[j].x, y = positions[i].y - positions[j].y;
+        return std::hypot(x - std::round(x), y - std::round(y));
+    };
+    EXPECT_GT(static_cast<double>(rows.size()), 0.72 / (kSpacing * kSpacing));
+    const auto is_near = [&](std::uint32_t i) {
+        return std::ranges::any_of(rows, [&](std::uint32_t j) { return i != j && distance(i, j) < kSpacing; });
+    };
+    EXPECT_TRUE(std::ranges::none_of(rows, is_near));
+    std::vector<std::uint32_t> others(positions.size());
+    std::iota(others.begin(), others.end(), 0U);
+    std::erase_if(others, [&](std::uint32_t i) { return std::ranges::binary_search(rows, i); });
+    EXPECT_TRUE(std::ranges::all_of(others, is_near));
+
+    std::vector<double> priority(positions.size(), 0);
+    std::vector<std::uint8_t> kept(positions.size(), 0);
+    priority[77] = 1;
+    kept[8] = kept[9] = 1;
+    candidates.priority = priority;
+    candidates.kept = kept;
+    const auto with = choose_apart(candidates, 0.05)->rows;
+    for (const std::uint32_t row : {8U, 9U, 77U}) EXPECT_TRUE(std::ranges::binary_search(with, row)) << row;
+}
+
+TEST(Choice, FitsCoincidentAndExtremeCandidates) {
+    const std::vector<Point3> same(100'000, Point3{1, 2, 3});
+    EXPECT_EQ(choose_apart({.positions = same}, 1e-300)->rows.size(), 1);
+    EXPECT_EQ(choose_apart({.positions = same}, 1e300)->rows.size(), 1);
+    const std::vector<Point3> far{{-1.7e308, 0, 0}, {1.7e308, 0, 0}, {0, 1e-308, 0}, {0, 0, 0}};
+    EXPECT_EQ(choose_apart({.positions = far}, 1e308)->rows.size(), 3);
+    EXPECT_EQ(choose_apart({.positions = far}, 1.7e308)->rows.size(), 3);
+    EXPECT_TRUE(choose_apart({}, 1)->rows.empty());
+}
+
 /// 18,000 candidates lie in the left tenth, and 2,000 elsewhere.
 TEST(Choice, IsEvenAmongClumpedCandidates) {
     auto positions = random_positions(20'000, 6);
