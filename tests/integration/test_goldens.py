@@ -170,6 +170,23 @@ def analyses(formats):
     yield "spectrum", {"points": points, "spectrum": True, "max_frequency": 2}
 
 
+def choices():
+    """Returns bodies in JSON, and queries for a file."""
+    plane = [[(37 * i % 1009) / 1009, (53 * i % 997) / 997] for i in range(900)]
+    space = [[x, y, (71 * i % 991) / 991] for i, (x, y) in enumerate(plane)]
+    ranks = [i % 7 for i in range(900)]
+    for form in ("json", "csv", "npy"):
+        yield {"candidates": plane, "sites": 90, "format": form, "keep": [5, 6], "order": "progressive"}
+    yield {"candidates": plane, "sites": 90, "seed": 4, "density": ranks, "priority": ranks[::-1]}
+    yield {"candidates": plane, "sites": {"0": 30, "3": 20}, "classes": ranks}
+    yield {"candidates": [[360 * x, 180 * y - 90] for x, y in plane], "sites": 90, "coordinates": "lonlat"}
+    for domain in ("surface", "solid"):
+        yield {"candidates": space, "sites": 90, "domain": domain, "order": "progressive"}
+        yield {"candidates": space, "spacing": 0.2, "domain": domain, "priority": ranks}
+    yield "sites=90&classes=rank"
+    yield "spacing=900000&keep=odd&format=json"
+
+
 def everything(server):
     """Yields names and functions that ask for the answers, for all formats and methods of the server."""
     offered = ask(server, "/capabilities").json()
@@ -180,6 +197,13 @@ def everything(server):
         yield "sample " + name, partial(post_json, server, "/sample", body)
     for name, body in analyses(names(analyze["formats"])):
         yield "analyze " + name, partial(post_json, server, "/analyze", body)
+    table = "lon,lat,rank,odd\n" + "".join(f"{37 * i % 360},{53 * i % 997 / 6 - 80:.3f},{i % 5},{i % 97 == 3:d}\n"
+                                            for i in range(900))
+    for number, request in enumerate(choices()):
+        if isinstance(request, dict):
+            yield f"choice {number}", partial(post_json, server, "/sample", request)
+        else:
+            yield f"choice {number}", partial(ask, server, f"/sample?candidates=body&{request}", data=table.encode())
     for name, options in ("json body", {}), ("json body of ink", {"dots": "ink"}):
         yield name, partial(post_json, server, "/halftone",
                             {"image": data_uri(PHOTOS["camera"]), "sites": 300, **options})
