@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
@@ -13,6 +14,7 @@
 
 #include "core/ccdt/globe/chart.h"
 #include "core/ccdt/polish/cell_list.h"
+#include "core/geometry/axes.h"
 #include "core/geometry/point3.h"
 #include "core/points/order/elimination.h"
 #include "core/points/order/spacing_meter.h"
@@ -65,12 +67,46 @@ constexpr double kTilt = 1e-6;
 /// Least side of the box around points, which is needed if they coincide or lie on a line or in a plane.
 constexpr double kMinSide = 1e-9;
 
+/// Compares coordinates along the axes, one after the other.
+template <class P>
+std::strong_ordering compare(const P& p, const P& q) {
+    for (std::size_t axis = 0; axis < kAxes<P>; ++axis) {
+        if (along(p, axis) != along(q, axis))
+            return along(p, axis) < along(q, axis) ? std::strong_ordering::less : std::strong_ordering::greater;
+    }
+    return std::strong_ordering::equal;
+}
+
+/// Returns the numbers of points that coincide, as lists in ascending order; empty if no points do. Points on a surface
+/// coincide only if their normals are equal.
+template <class P>
+std::vector<std::vector<std::uint32_t>> coincident(const Points<P>& points) {
+    const auto compared = [&](std::uint32_t i, std::uint32_t j) {
+        const auto order = compare(points.positions[i], points.positions[j]);
+        return order != 0 || points.normals.empty() ? order : compare(points.normals[i], points.normals[j]);
+    };
+    std::vector<std::uint32_t> numbers(points.size());
+    std::iota(numbers.begin(), numbers.end(), 0U);
+    std::ranges::sort(numbers, [&](std::uint32_t i, std::uint32_t j) {
+        const auto order = compared(i, j);
+        return order == 0 ? i < j : order < 0;
+    });
+    const auto are_equal = [&](std::uint32_t i, std::uint32_t j) { return compared(i, j) == 0; };
+    if (std::ranges::adjacent_find(numbers, are_equal) == numbers.end()) return {};
+    std::vector<std::vector<std::uint32_t>> groups;
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+        if (i == 0 || !are_equal(numbers[i], numbers[i - 1])) groups.emplace_back();
+        groups.back().push_back(numbers[i]);
+    }
+    std::ranges::sort(groups);
+    return groups;
+}
+
 /// Orders points of a frame progressively.
 template <class P>
-std::vector<std::uint32_t> order_points(const PointBox<P>& frame, const Points<P>& unsorted, bool even, bool uniform,
-                                        const std::stop_token& stop, Executor& executor) {
+std::vector<std::uint32_t> order_distinct(const PointBox<P>& frame, const Points<P>& unsorted, bool even, bool uniform,
+                                          const std::stop_token& stop, Executor& executor) {
     std::vector<std::uint32_t> order;
-    if (unsorted.size() == 0) return order;
     std::vector<std::uint32_t> numbers(unsorted.size());
     std::iota(numbers.begin(), numbers.end(), 0U);
     Regions regions(std::span<const P>(unsorted.positions), numbers);
@@ -86,6 +122,25 @@ std::vector<std::uint32_t> order_points(const PointBox<P>& frame, const Points<P
     order.insert(order.end(), elimination.remaining().begin(), elimination.remaining().end());
     std::ranges::reverse(order);
     for (std::uint32_t& each : order) each = numbers[each];
+    return order;
+}
+
+/// Orders points of a frame progressively. Of points that coincide, one is ordered with the others, and the second,
+/// third and further ones follow after all others.
+template <class P>
+std::vector<std::uint32_t> order_points(const PointBox<P>& frame, const Points<P>& points, bool even, bool uniform,
+                                        const std::stop_token& stop, Executor& executor) {
+    if (points.size() == 0) return {};
+    const auto groups = coincident(points);
+    if (groups.empty()) return order_distinct(frame, points, even, uniform, stop, executor);
+    std::vector<std::uint32_t> firsts, order;
+    for (const auto& group : groups) firsts.push_back(group.front());
+    std::vector<std::uint32_t> remaining =
+        order_distinct(frame, points.selected(firsts), even, uniform, stop, executor);
+    for (std::size_t copy = 0; !remaining.empty(); ++copy) {
+        for (const std::uint32_t each : remaining) order.push_back(groups[each][copy]);
+        std::erase_if(remaining, [&](std::uint32_t each) { return groups[each].size() == copy + 1; });
+    }
     return order;
 }
 

@@ -30,7 +30,8 @@ namespace ccdt {
 /// regions are merged, so that about 256 to 511 points remain in each.
 ///
 /// @param domain    on a torus distances are periodic; of any other domain, only the bounding box and the area are used
-/// @param points    [n], in the domain's bounding box; may coincide
+/// @param points    [n], in the domain's bounding box; may coincide. Of those that do, one is ordered among the others,
+///                  and the second, third and further ones follow after all others
 /// @param uniform   whether the points have the same density everywhere in the domain; otherwise, the density is
 ///                  measured from the points
 /// @param stop      polled regularly; a stop is not an error, but the returned permutation must not be used

@@ -466,5 +466,17 @@ TEST(Reorder, ReordersTheMesh) {
     EXPECT_EQ(ordered.mesh->boundary, given.mesh->boundary);  // these vertices follow the points
 }
 
+/// A quadratic time would be minutes.
+TEST(ProgressiveOrder, ListsFurtherCopiesOfCoincidentPointsLast) {
+    std::vector<Point> points(100'000, Point{0.5, 0.5});
+    points[7] = {0.1, 0.1};
+    points[8] = points[9] = {0.9, 0.1};
+    const auto order = progressive_order(*Domain::rectangle(1, 1), points, false);
+    const std::set<std::uint32_t> all(order.begin(), order.end());
+    EXPECT_EQ(all.size(), points.size());
+    EXPECT_EQ(std::set<std::uint32_t>(order.begin(), order.begin() + 3), (std::set<std::uint32_t>{0, 7, 8}));
+    EXPECT_EQ(std::set<std::uint32_t>(order.begin() + 3, order.begin() + 5), (std::set<std::uint32_t>{1, 9}));
+}
+
 }  // namespace
 }  // namespace ccdt
