@@ -72,9 +72,9 @@ Result<Answer> compute(const PixelRequest& request, const Limits& limits, const 
                        Timings& timings, BodySink* sink) {
     return run_pixels(request, limits, decode, control, timings, sink);
 }
-Result<Answer> compute(const ChoiceRequest& request, const Limits& /*limits*/, const Decode& /*decode*/,
-                       const Control& control, Timings& timings, BodySink* sink) {
-    return run_choice(request, control, timings, sink);
+Result<Answer> compute(const ChoiceRequest& request, const Limits& limits, const Decode& decode, const Control& control,
+                       Timings& timings, BodySink* sink) {
+    return run_choice(request, limits, decode, control, timings, sink);
 }
 Result<Answer> compute(const SurfaceAnalyzeRequest& request, const Limits& /*limits*/, const Decode& decode,
                        const Control& control, Timings& timings, BodySink* /*sink*/) {

@@ -135,7 +135,8 @@ constexpr std::array<OptionRule<Draft>, 5> kMemberRules = {{
     {"candidates", [](const Input& i, const Limits& l, Draft& d) { return read_candidates(i, l, d); }},
     {"classes", [](const Input& i, const Limits&, Draft& d) { return read_classes(i, d); }},
     {"density",
-     [](const Input& i, const Limits&, Draft& d) {
+     [](const Input& i, const Limits& l, Draft& d) {
+         if (std::get<JsonValue>(i.value).is_object()) return assign(d.request.density_map, read_density(i, l));
          return read_numbers(i, d.request.density, [](const Input& each) { return read_number(each, kNotNegative); });
      }},
     {"priority",
@@ -178,7 +179,8 @@ Result<void> settle_sites(Draft& draft, std::string_view sites, std::string_view
         if (draft.sites)
             return failure(ErrorCode::Malformed, "spacing determines the number of sites, so both cannot be given",
                            std::string(spacing));
-        if (!draft.classes.number.empty() || !draft.request.density.empty())
+        const bool has_density = !draft.request.density.empty() || draft.request.density_map.index() > 0;
+        if (!draft.classes.number.empty() || has_density)
             return failure(ErrorCode::Malformed, "spacing cannot be combined with classes or a density",
                            std::string(spacing));
         return {};
@@ -258,6 +260,9 @@ Result<void> settle_space(Draft& draft, const std::function<std::string(std::str
     if (request.is_on_globe && draft.is_in_space)
         return failure(ErrorCode::Malformed, "coordinates=lonlat needs candidates with two coordinates",
                        field("coordinates"));
+    if (draft.is_in_space && request.density_map.index() > 0)
+        return failure(ErrorCode::Malformed, "density must be a list for candidates with three coordinates",
+                       field("density"));
     if (draft.is_in_space) request.extent = draft.domain.value_or(choice::Extent::Surface);
     if (!request.is_on_globe) return {};
     request.extent = choice::Extent::Surface;

@@ -9,6 +9,7 @@
 
 #include "api/output/json_writer.h"
 #include "api/run/deadline.h"
+#include "api/sample/density_input.h"
 #include "api/table/point_table.h"
 #include "core/geometry/point3.h"
 #include "core/points/choice/choice.h"
@@ -26,6 +27,7 @@ struct ChoiceRequest {
     std::optional<double>
         spacing;  ///< least distance of chosen points, in units of the candidates or, on the globe, metres
     std::vector<double> density, priority;  ///< [candidates] or empty
+    DensityInput density_map;               ///< density over the bounding box of the candidates, instead of a list
     std::vector<std::uint8_t> kept;         ///< [candidates] or empty
     std::vector<std::uint32_t> classes;     ///< [candidates] or empty
     std::vector<std::size_t> counts;        ///< number of points of each class; empty: in proportion to the candidates

@@ -26,6 +26,21 @@ double chord_of(const ChoiceRequest& request) {
     return 2 * elementary::sin(std::min(*request.spacing / kEarthRadius / 2, std::numbers::pi / 2));
 }
 
+/// Returns the density at each candidate. The map is stretched over their bounding box.
+std::vector<double> densities_at(const std::vector<Point3>& candidates, const Density& density) {
+    if (candidates.empty()) return {};
+    const Box3 box = bounds_of(candidates);
+    const auto cell = [](double at, double low, double high, int cells) {
+        const double share = high > low ? (at / 2 - low / 2) / (high / 2 - low / 2) : 0;
+        return std::min(static_cast<int>(share * cells), cells - 1);
+    };
+    std::vector<double> densities;
+    for (const Point3 p : candidates)
+        densities.push_back(density.value(cell(p.x, box.min.x, box.max.x, density.width()),
+                                          cell(p.y, box.min.y, box.max.y, density.height())));
+    return densities;
+}
+
 /// Converts an error of core, whose field is a member of the request, to one about an option beside a file.
 Error error_of(const ChoiceRequest& request, Error error) {
     if (!request.is_file) return error_below(std::move(error), "");
@@ -35,8 +50,16 @@ Error error_of(const ChoiceRequest& request, Error error) {
 
 }  // namespace
 
-Result<Answer> run_choice(const ChoiceRequest& request, const Control& control, Timings& timings, BodySink* sink) {
+Result<Answer> run_choice(const ChoiceRequest& request, const Limits& limits, const Decode& decode,
+                          const Control& control, Timings& timings, BodySink* sink) {
     Stopwatch watch;
+    std::vector<double> densities;
+    if (request.density_map.index() > 0) {
+        auto density = make_density(request.density_map, YAxis::Up, limits, decode, control);
+        if (!density) return tl::unexpected(density.error());
+        densities = densities_at(request.candidates, *density);
+        timings.decode = watch.lap();
+    }
     std::vector<Point3> directions;
     if (request.is_on_globe) {
         for (const Point3 p : request.candidates) {
@@ -46,7 +69,7 @@ Result<Answer> run_choice(const ChoiceRequest& request, const Control& control, 
     }
     const Candidates candidates{.positions = request.is_on_globe ? directions : request.candidates,
                                 .extent = request.extent,
-                                .density = request.density,
+                                .density = densities.empty() ? request.density : densities,
                                 .priority = request.priority,
                                 .kept = request.kept,
                                 .classes = request.classes,
@@ -89,13 +112,14 @@ Cost cost_of(const ChoiceRequest& request) {
     const double order = request.is_progressive ? 20 * sites : 0;
     const double answer =
         request.format->has_records ? static_cast<double>(request.file.size()) : sites * request.format->bytes_per_site;
-    return total_cost(kCandidate * candidates + kVisit * (visits + order) + Estimate{answer, 0});
+    return total_cost(decoding_cost(request.density_map) + kCandidate * candidates + kVisit * (visits + order) +
+                      Estimate{answer, 0});
 }
 
 std::size_t size_of(const ChoiceRequest& request) {
     return request.candidates.size() * sizeof(Point3) + request.kept.size() + request.file.size() +
            request.table.records.size() * sizeof(TextRange) + request.table.rows.size() * sizeof(std::uint32_t) +
-           request.classes.size() * sizeof(std::uint32_t) +
+           request.classes.size() * sizeof(std::uint32_t) + bytes_of(request.density_map) +
            (request.density.size() + request.priority.size()) * sizeof(double);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "api/decode/decode.h"
 #include "api/output/body.h"
 #include "api/run/deadline.h"
 #include "api/run/options.h"
@@ -9,10 +10,11 @@
 
 namespace ccdt::api {
 
-/// Chooses candidates and writes them in the requested format. Errors: those of choose_points(); Stopped, unless the
-/// request accepts a partial result. Same request, same bytes.
-Result<Answer> run_choice(const ChoiceRequest& request, const Control& control, Timings& timings,
-                          BodySink* sink = nullptr);
+/// Chooses candidates and writes them in the requested format. Errors: those of choose_points() and make_density();
+/// Stopped, unless the request accepts a partial result. Same request, same bytes.
+/// @param decode  decoder of a picture of densities
+Result<Answer> run_choice(const ChoiceRequest& request, const Limits& limits, const Decode& decode,
+                          const Control& control, Timings& timings, BodySink* sink = nullptr);
 
 /// Estimates the cost of run_choice().
 Cost cost_of(const ChoiceRequest& request);

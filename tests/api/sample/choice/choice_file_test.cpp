@@ -23,7 +23,7 @@ Result<Answer> run(const std::string& file, std::vector<TextOption> options, std
     const auto request = parse_choice(file, options, accept, {});
     if (!request) return tl::unexpected(request.error());
     Timings timings;
-    return run_choice(*request, {}, timings);
+    return run_choice(*request, {}, {}, {}, timings);
 }
 
 std::string body_of(const std::string& file, const std::vector<TextOption>& options, std::string_view accept = "") {

@@ -33,7 +33,7 @@ std::string answer(const Json& members) {
     const auto request = parse(members);
     if (!request) return request.error().field + ": " + request.error().message;
     Timings timings;
-    const auto made = run_choice(*request, {}, timings);
+    const auto made = run_choice(*request, {}, {}, {}, timings);
     return made ? made->body : made.error().field + ": " + made.error().message;
 }
 
@@ -69,6 +69,12 @@ TEST(ChoiceSample, KeepsCandidatesAndFollowsTheDensity) {
     EXPECT_EQ(rows.back(), 399);
     EXPECT_LT(rows[28], 200);
     EXPECT_NE(std::ranges::find(rows, 7), rows.end());
+}
+
+TEST(ChoiceSample, FollowsAMapOfDensities) {
+    const Json map = {{"width", 2}, {"height", 1}, {"values", {0, 1}}};
+    for (const Json& point : Json::parse(answer({{"sites", 50}, {"density", map}})).at("points"))
+        EXPECT_GE(point[0].get<double>(), 9.75);
 }
 
 TEST(ChoiceSample, TakesOtherKindsOfCandidates) {
