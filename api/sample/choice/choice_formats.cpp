@@ -35,8 +35,10 @@ void for_each(const ChosenCandidates& chosen, Body& body, Function&& function) {
 }
 
 void write_json(const ChoiceRequest& request, const ChosenCandidates& chosen, bool partial, Body& body) {
+    constexpr std::size_t kMaxRegions = 100;
     std::string& out = body.text();
     const char* comma = "";
+    std::size_t regions = 0;
     out += "{\"indices\":[";
     for_each(chosen, body, [&](std::uint32_t candidate) {
         out.append(std::exchange(comma, ",")).append(std::to_string(request.table.row_of(candidate)));
@@ -48,7 +50,17 @@ void write_json(const ChoiceRequest& request, const ChosenCandidates& chosen, bo
         out += ']';
     });
     out += "],\"sites\":" + std::to_string(chosen.rows.size()) + ",\"seed\":" + std::to_string(request.seed) +
-           ",\"shortfall\":" + std::to_string(chosen.shortfall);
+           ",\"shortfall\":" + std::to_string(chosen.shortfall) + ",\"shortfalls\":[";
+    comma = "";
+    for (const auto& [candidate, points] : chosen.shortfalls) {
+        if (points < 1 || ++regions > kMaxRegions) break;
+        out.append(std::exchange(comma, ","))
+            .append("{\"index\":")
+            .append(std::to_string(request.table.row_of(candidate)));
+        append_rounded(out += ",\"sites\":", points, 1);
+        out += '}';
+    }
+    out += ']';
     if (!request.warnings.empty()) out += ",\"warnings\":" + write_warnings(request.warnings);
     out += partial ? ",\"partial\":true}\n" : "}\n";
 }

@@ -91,8 +91,14 @@ Result<Answer> run_choice(const ChoiceRequest& request, const Limits& limits, co
     if (auto whole = check_whole(answer.partial, request.on_deadline); !whole) return tl::unexpected(whole.error());
     answer.media_type = request.format->file.content_type();
     answer.sites = chosen->rows.size();
-    if (request.format->file.name != kJson.name && !request.warnings.empty())
-        answer.warnings = write_warnings(request.warnings);
+    if (request.format->file.name != kJson.name) {
+        std::vector<Warning> warnings = request.warnings;
+        if (chosen->shortfall > 0)
+            warnings.push_back({"sites", std::to_string(chosen->shortfall) +
+                                             " points are wanted where there are too few candidates; they are chosen "
+                                             "elsewhere"});
+        if (!warnings.empty()) answer.warnings = write_warnings(warnings);
+    }
     Body body(answer, sink, stop_of_writing(control, request.on_deadline));
     request.format->write(request, *chosen, answer.partial, body);
     timings.encode = watch.lap();

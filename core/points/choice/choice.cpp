@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <numeric>
 #include <string>
@@ -83,16 +84,12 @@ public:
                                          [](double sum, const Cell& cell) { return sum + cell.density; });
     }
 
-    /// Returns the wanted points that exceed the candidates of the blocks.
-    std::size_t shortfall(std::span<const CandidateCells::Range> blocks) const {
-        double lacking = 0;
-        for (const auto& block : blocks) {
-            double rest = 0;
-            for (std::size_t cell = block.begin; cell < block.end; ++cell)
-                rest += scale_ * cells_[cell].density - cells_[cell].most;
-            lacking += std::max(0.0, rest);
-        }
-        return static_cast<std::size_t>(lacking);
+    /// Returns the wanted points that exceed the candidates of a block.
+    double shortfall(const CandidateCells::Range& block) const {
+        double rest = 0;
+        for (std::size_t cell = block.begin; cell < block.end; ++cell)
+            rest += scale_ * cells_[cell].density - cells_[cell].most;
+        return std::max(0.0, rest);
     }
 
     /// Distributes the points that full cells lack to the remaining cells.
@@ -139,7 +136,10 @@ public:
           wanted_(wanted_cells(), static_cast<double>(count)),
           cell_of_(size()),
           is_chosen_(size(), 0) {
-        shortfall_ = wanted_.shortfall(cells_.blocks());
+        for (const auto& block : cells_.blocks()) {
+            const double points = wanted_.shortfall(block);
+            if (points > 0) shortfalls_.push_back({cells_.rows()[cells_.cells()[block.begin].begin], points});
+        }
         wanted_.share_out();
         for (const double density : input.density) spacings_.push_back(spacing_at(density));
         for (std::uint32_t cell = 0; cell < cells_.cells().size(); ++cell) {
@@ -148,7 +148,8 @@ public:
         }
     }
 
-    std::size_t shortfall() const { return shortfall_; }
+    /// Returns the regions with too few candidates.
+    std::span<const Shortfall> shortfalls() const { return shortfalls_; }
 
     /// Makes a first choice. May be called once.
     void start() {
@@ -339,7 +340,7 @@ private:
     CandidateCells cells_;
     WantedPoints wanted_;
     std::vector<float> spacings_;  ///< spacing of chosen points around each candidate
-    std::size_t shortfall_ = 0;
+    std::vector<Shortfall> shortfalls_;
     std::vector<std::uint32_t> cell_of_;   ///< number of the cell of each candidate
     std::vector<std::uint32_t> selected_;  ///< candidates that take part in the search
     std::vector<std::uint8_t> is_chosen_;
@@ -563,12 +564,19 @@ Result<ChosenCandidates> choose_points(const Candidates& candidates, std::size_t
     for (const Part& part : parts) eligible.insert(eligible.end(), part.rows.begin(), part.rows.end());
     const Frame frame(candidates, eligible);
     ChosenCandidates result;
+    double shortfall = 0;
     for (Part& part : parts) {
         if (part.count == 0) continue;
         part.input = input_of(candidates, part.rows, frame);
         part.chooser = std::make_unique<Chooser>(part.input, part.count, executor);
-        result.shortfall += part.count < part.rows.size() ? part.chooser->shortfall() : 0;
+        if (part.count == part.rows.size()) continue;
+        for (const Shortfall& each : part.chooser->shortfalls()) {
+            shortfall += each.points;
+            result.shortfalls.push_back({part.rows[each.row], each.points});
+        }
     }
+    result.shortfall = static_cast<std::size_t>(shortfall);
+    std::ranges::stable_sort(result.shortfalls, std::greater<>(), &Shortfall::points);
     choose(parts, seed, stop, executor);
     for (const Part& part : parts) {
         for (std::size_t i = 0; part.chooser && i < part.rows.size(); ++i)

@@ -30,12 +30,19 @@ struct Candidates {
     std::optional<Point3> torus;  ///< sides of a torus from the origin that contains the positions; z may be 0
 };
 
+/// A region with too few candidates: a block of 4 x 4 cells of the grid, or 4 x 4 x 4 in space.
+struct Shortfall {
+    std::uint32_t row;  ///< index of a candidate in the region
+    double points;      ///< number of points that are wanted there, but chosen elsewhere
+};
+
 /// Chosen candidates.
 struct ChosenCandidates {
     std::vector<std::uint32_t> rows;  ///< indices, ascending
     /// Number of points that are wanted where there are some candidates, but too few. They are chosen elsewhere
     /// instead.
     std::size_t shortfall = 0;
+    std::vector<Shortfall> shortfalls = {};  ///< by region, the largest first
 };
 
 /// Chooses exactly `count` candidates, so that they are spread evenly or with the wanted density, however dense the

@@ -191,6 +191,13 @@ TEST(Choice, ReportsTheShortfallWhereCandidatesLack) {
     expect_distinct(choice.rows, 1'000, 10'100);
     EXPECT_GT(number_of(choice.rows, [](std::uint32_t row) { return row >= 10'000; }), 90);
     EXPECT_GT(choice.shortfall, 200);
+    double sum = 0;
+    for (const auto& [row, points] : choice.shortfalls) {
+        EXPECT_GE(row, 10'000);
+        sum += points;
+    }
+    EXPECT_EQ(static_cast<std::size_t>(sum), choice.shortfall);
+    EXPECT_GE(choice.shortfalls.front().points, choice.shortfalls.back().points);
 }
 
 TEST(Choice, FollowsTheDensity) {
