@@ -2,12 +2,34 @@
 #include "server/http/connection_threads.h"
 
 #include <malloc.h>
+#include <sys/mman.h>
 
 #include <exception>
 #include <iterator>
+#include <new>
 #include <utility>
 
 namespace ccdt::server {
+namespace {
+
+/// Takes address space, without memory, until the destruction. Throws std::bad_alloc. (A compiler may omit an
+/// allocation that is not used.)
+class Reserve {
+public:
+    Reserve() : start_(mmap(nullptr, kBytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0)) {
+        if (start_ == MAP_FAILED) throw std::bad_alloc();
+    }
+    ~Reserve() { munmap(start_, kBytes); }
+    Reserve(const Reserve&) = delete;
+    Reserve& operator=(const Reserve&) = delete;
+
+private:
+    static constexpr std::size_t kBytes = std::size_t{4} << 20;
+
+    void* start_;
+};
+
+}  // namespace
 
 ConnectionThreads::~ConnectionThreads() {
     const std::lock_guard lock(mutex_);
@@ -26,6 +48,7 @@ bool ConnectionThreads::run(std::function<void()> task) {
     }
     const auto before = busy_.size();
     try {
+        const Reserve for_tasks;  // what the stack of the new thread leaves must suffice for them
         const auto made = busy_.emplace(busy_.end());
         made->task = std::move(task);
         made->handle = std::jthread([this, made] { work(made); });

@@ -24,7 +24,8 @@ public:
     ConnectionThreads& operator=(const ConnectionThreads&) = delete;
 
     /// Runs a task, which must not throw. Call this from one thread only.
-    /// @returns  false if the system has no more threads or memory; the task is then dropped
+    /// @returns  false if the system has no more threads or memory, or would have too little left; the task is then
+    ///           dropped
     bool run(std::function<void()> task);
 
     struct Counts {
