@@ -22,13 +22,12 @@ async function open(address) {
 
 /**
  * Options without a field of the same name. They are older names, shapes, downloads, controls beside the picture, the
- * properties that a map counts, the pen, which has two fields, zooms of tiles, and paper, which the page adds to drawings
- * itself.
+ * properties that a map counts, the pen, which has two fields, and zooms of tiles.
  */
 const elsewhere = {
-  halftone: ["closed", "dpi", "dwell", "format", "invert", "jpeg_quality", "machine", "margin", "marks", "pen", "split"],
+  halftone: ["format", "invert", "pen"],
   devices: [],
-  sample: ["polygon", "holes", "geometry", "classes", "object", "iterations", "mesh", "closed", "dots_per_tile", "dpi", "dwell", "jpeg_quality", "machine", "margin", "marks", "maxzoom", "minzoom", "pen", "split"],
+  sample: ["polygon", "holes", "geometry", "classes", "object", "iterations", "mesh", "pen", "minzoom", "maxzoom", "dots_per_tile"],
   surfaces: ["iterations", "mesh"],
 };
 
@@ -73,6 +72,32 @@ test("fits a picture into a width and a height", async () => {
   assert.deepEqual(await size(), [300, Math.round(300 * (height / width))]);
   await open("#halftone?picture=cat.jpg&sites=500&height=300&width=300&fit=cover");
   assert.deepEqual(await size(), [300, 300]);
+});
+
+test("prints on paper, at a resolution, in a file for each ink", async () => {
+  await open("#halftone?sites=500&color=cmyk&width_mm=50&dpi=200&paper=a6&margin=12&marks=true&split=ink&jpeg_quality=40");
+  const { page } = world;
+  assert.match(await page.textContent("#halftone .status"), /394 \u00d7 394 pixels/);
+  const ask = async (panel, title) => {
+    const sent = page.waitForRequest((one) => one.method() === "POST" && /paper|jpeg_quality/.test(one.url() + one.postData()));
+    const file = await download(page, panel, title);
+    const { searchParams } = new URL((await sent).url());
+    const options = panel === "sample" ? JSON.parse((await sent).postData()) : Object.fromEntries(searchParams);
+    return { file, options: ["width_mm", "dpi", "paper", "margin", "marks", "split", "jpeg_quality"].map((name) => String(options[name])).join(" ") };
+  };
+  const svg = await ask("halftone", "SVG");
+  assert.equal(svg.options, "50 undefined a6 12 true ink undefined");
+  assert.equal(svg.file.suggestedFilename(), "dots.zip");
+  assert.match(await readFile(await svg.file.path(), "latin1"), /^PK[^]*cyan\.svg[^]*yellow\.svg/);
+  assert.equal((await ask("halftone", "JPEG")).options, "50 200 undefined undefined undefined undefined 40");
+  await open("#sample?shape=polygon&sites=50&width_mm=50&dpi=200&paper=a6&jpeg_quality=40");
+  assert.equal((await ask("sample", "PDF")).options, "50 undefined a6 undefined undefined undefined undefined");
+  assert.equal((await ask("sample", "JPEG")).options, "50 200 undefined undefined undefined undefined 40");
+});
+
+test("offers files in millimetres for a paper", async () => {
+  await open("#halftone?sites=500&paper=a6");
+  assert.match(await readFile(await (await download(world.page, "halftone", "EPS")).path(), "latin1"), /\n%%BoundingBox: 0 0 298 420\n/);
 });
 
 test("gives points the properties of their features", async () => {

@@ -21,13 +21,7 @@ async function put(name, value, state = "done") {
   await settled(world.page, "halftone", state);
 }
 
-async function saved() {
-  const [download] = await Promise.all([
-    world.page.waitForEvent("download"),
-    world.page.locator(".plot button:text('Save SVG of this paper size'):visible").click(),
-  ]);
-  return readFile(await download.path(), "utf8");
-}
+const saved = async (panel = "halftone", title = "SVG") => readFile(await (await download(world.page, panel, title)).path(), "latin1");
 
 const figures = (panel = "halftone") => world.page.textContent(`#${panel} .figures p`);
 
@@ -40,7 +34,7 @@ test("adapts the number and width of dots to a pen", async () => {
   assert.ok(await world.page.isChecked("#halftone .fields [data-name=sites] input[type=checkbox]"));
   assert.equal(await world.page.textContent("#halftone .warnings"), "");
   const svg = await saved();
-  assert.match(svg, /^<svg [^>]*width="210mm" height="297mm" viewBox="-10 -53\.5 210 297"/);
+  assert.match(svg, /^<svg [^>]*width="210mm" height="297mm" viewBox="0 0 210 297"/);
   const [, dots, path] = svg.match(/<desc>(\d+) dots along a path of ([\d.]+) mm/).map(Number);
   assert.match(svg, /stroke-width="2"/);
   assert.equal((svg.match(/^(<path d=")?M/gm) ?? []).length, dots);
@@ -110,15 +104,49 @@ test("downloads formats for machines, with the given pen commands", async () => 
   await open("#halftone?sites=200");
   const { page } = world;
   const titles = () => page.locator("#halftone .download option").allTextContents();
-  const formats = ["PDF", "HPGL", "G-code", "DXF"];
+  const formats = ["PDF", "EPS", "HPGL", "G-code", "DXF"];
   assert.deepEqual((await titles()).filter((title) => formats.includes(title)), []);
   await open("#halftone?sites=200&plotter=on&style=fill&speed=50&lift=0.5&pen_down=G1 Z-1 F300&pen_up=G0 Z2");
   assert.deepEqual((await titles()).filter((title) => formats.includes(title)), formats);
-  const save = async (title) => readFile(await (await download(page, "halftone", title)).path(), "latin1");
+  const save = (title) => saved("halftone", title);
   assert.match(await save("PDF"), /^%PDF-/);
+  assert.match(await save("EPS"), /^%!PS-Adobe[^]*\n%%BoundingBox: 0 0 596 842\n/);
   assert.equal((await save("HPGL")).match(/PD;/g).length, 200);
   assert.match(await save("G-code"), /G1 Z-1 F300\nG4 P0.25\nG0 Z2\nG4 P0.25\n/);
   assert.equal((await save("DXF")).match(/\nCIRCLE\n/g).length, 200);
+});
+
+test("draws a closed tour with marks, in files of limited time", async () => {
+  await open("#halftone?picture=cat.jpg&plotter=on&style=path&closed=true&paper=a5&marks=true&sites=2000&split=time&part_minutes=2&speed=20");
+  assert.match(await figures(), /a path of 6\.9 m: about 6 min/);
+  const sent = world.page.waitForRequest((one) => one.url().includes("format=svg") && one.url().includes("paper"));
+  const saving = download(world.page, "halftone", "SVG");
+  const { searchParams } = new URL((await sent).url());
+  const options = Object.fromEntries(searchParams);
+  assert.deepEqual(["paper", "margin", "marks", "split", "closed", "speed"].map((name) => options[name]), ["a5", "10", "true", "2", "true", "20"]);
+  const saved = await saving;
+  assert.equal(saved.suggestedFilename(), "dots.zip");
+  assert.match(await readFile(await saved.path(), "latin1"), /^PK[^]*dots-2\.svg/);
+  await world.page.locator("#halftone .plot [data-name=margin_mm] input[type=number]").fill("2");
+  await world.page.locator("#halftone .plot [data-name=margin_mm] input[type=number]").blur();
+  await settled(world.page, "halftone");
+  await world.page.click("#halftone .download .primary");
+  await settled(world.page, "halftone", "failed");
+  assert.match(await world.page.textContent("#halftone .plot"), /margin of at least 4/);
+});
+
+test("writes G-code for the chosen machine", async () => {
+  await open("#halftone?sites=100&plotter=on&machine=marlin");
+  assert.match(await saved("halftone", "G-code"), /G1 Z0 F1000\nG4 P75\n/);
+  const { page } = world;
+  await page.selectOption("#halftone .plot [data-name=machine] select", "laser");
+  assert.ok(await page.isHidden("#halftone .plot [data-name=lift]"));
+  await put("dwell", "0.2");
+  assert.match(await saved("halftone", "G-code"), /M3 S1000\nG4 P0.2\n/);
+  await page.selectOption("#halftone .plot [data-name=style] select", "path");
+  await settled(page, "halftone");
+  assert.ok(await page.isHidden("#halftone .plot [data-name=dwell]"));
+  assert.match(await saved("halftone", "G-code"), /M4 S1000\n/);
 });
 
 test("gives no figures for a picture without dots", async () => {
@@ -152,7 +180,7 @@ test("has a layer for each ink, and paper of any size", async () => {
 
 test("draws points, and the classes of a dot map", async () => {
   await open("#sample?sites=200&shape=rectangle&plotter=on&pen_mm=1.5&paper=none&width_mm=150", "sample");
-  const svg = await saved();
+  const svg = await saved("sample");
   assert.match(svg, /^<svg [^>]*width="150mm" height="100mm"/);
   assert.match(svg, /stroke-width="1.5"/);
   const path = Number(svg.match(/along a path of ([\d.]+) mm/)[1]);
@@ -169,5 +197,4 @@ test("turns the paper to fit, and refuses invalid pens", async () => {
   assert.match(await saved(), /^<svg [^>]*width="297mm" height="210mm"/);
   await put("pen_mm", "0", "failed");
   assert.notEqual(await world.page.textContent("#halftone .plot [data-name=pen_mm] .error"), "");
-  assert.ok(await world.page.getByRole("button", { name: "Save SVG of this paper size" }).isDisabled());
 });

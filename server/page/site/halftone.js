@@ -10,8 +10,10 @@ import { FocusPad } from "./focus.js";
 import { fields, moreFields, presets } from "./halftone_options.js";
 import { inksOf } from "./ink.js";
 import { postPatiently } from "./jobs.js";
+import { fileOf } from "./panel.js";
 import { batchRetries, canvasOf, PicturePanel, warningsOf } from "./picture_panel.js";
 import { Plotter } from "./plotter.js";
+import { offerPrint, printFields, suited } from "./print_options.js";
 import { isLarge, reduced } from "./reduced.js";
 import { Snippets } from "./snippets.js";
 import { Viewport } from "./viewport.js";
@@ -100,6 +102,7 @@ export class Halftone extends PicturePanel {
     this.viewport = new Viewport(this.find("canvas"), this.find(".zoom"), (...args) => this.#draw(...args));
     this.fields = new Fields(this.find(".fields"), fields, (draft) => this.refresh(draft));
     this.moreFields = new Fields(this.find(".more form"), moreFields, (draft) => this.refresh(draft));
+    this.printFields = new Fields(this.find(".more .of-print"), printFields, (draft) => this.refresh(draft));
     this.focus = new FocusPad(this.find("[data-name=gravity]"));
     this.plotter = new Plotter(this.find(".plotter"), {
       size: () => this.picture?.original ?? this.shown.dots ?? { width: 1, height: 1 },
@@ -154,7 +157,7 @@ export class Halftone extends PicturePanel {
   }
 
   get parts() {
-    return [this.fields, this.moreFields, this.plotter];
+    return [this.fields, this.moreFields, this.printFields, this.plotter];
   }
 
   offerFields() {
@@ -172,14 +175,15 @@ export class Halftone extends PicturePanel {
     const isInverted = this.fields.values().dots === "paper";
     this.fields.setStandard("foreground", isInverted ? "#ffffff" : "#000000");
     this.fields.setStandard("background", isInverted ? "#000000" : "#ffffff");
-    this.moreFields.offer("width_mm", !isInMm && !isPlotted);
+    this.printFields.offer("width_mm", !isInMm && !isPlotted);
+    offerPrint(this.printFields, { hasWidth: isInMm || this.printFields.values().width_mm !== undefined, isPlotted });
     this.moreFields.offer("style", !isPlotted);
     for (const name of ["width", "height"]) this.moreFields.offer(name, !isPlotted);
     const { width, height } = this.moreFields.values();
     this.moreFields.offer("fit", width !== undefined && height !== undefined);
     this.moreFields.offer("gravity", this.moreFields.values().fit === "cover");
     this.focus.show(this.picture?.original);
-    this.offerDownloads(capabilities.halftone.formats, "dots", Object.keys(this.#options()));
+    this.offerDownloads(capabilities.halftone.formats, "dots", Object.keys(this.#options("svg")));
   }
 
   /** Sets the number of dots to auto when the pen is turned on. The user can still choose a number. */
@@ -193,7 +197,8 @@ export class Halftone extends PicturePanel {
    * so the output must keep the width that it had when the radius was chosen.
    */
   get #heldWidth() {
-    const { width, height, scale, width_mm: print } = this.moreFields.values();
+    const { width, height, scale } = this.moreFields.values();
+    const { width_mm: print } = this.printFields.values();
     const isHeld = typeof this.fields.values().dot === "number" && [width, height, scale, print].every((one) => one === undefined);
     return isHeld ? this.#shownWidth : {};
   }
@@ -204,8 +209,9 @@ export class Halftone extends PicturePanel {
     return scale ? { width: Math.round(scale * original.width) } : {};
   }
 
-  #options(format) {
-    const options = { ...this.fields.values(), ...this.moreFields.values(), ...this.#heldWidth, ...(this.plotter.isOn && this.plotter.options(format)) };
+  /** Returns the options of a request for a format; that for the drawing that the panel shows is PNG. */
+  #options(format = "png") {
+    const options = suited({ ...this.fields.values(), ...this.moreFields.values(), ...this.printFields.values(), ...this.#heldWidth, ...(this.plotter.isOn && this.plotter.options(format)) }, format);
     // Dots of paper need grey, and pens can only add ink.
     if (options.dots === "paper" ? options.color : this.plotter.isOn) options.dots = "ink";
     if (options.palette) delete options.color;
@@ -224,7 +230,7 @@ export class Halftone extends PicturePanel {
   async resultFor(picture, signal) {
     const { value, selectedOptions: [{ dataset }] } = this.format;
     const response = await this.ask(value, signal, { onProgress: () => {}, picture, retries: batchRetries });
-    return { response, extension: dataset.file.split(".").pop() };
+    return { response, extension: fileOf(response, dataset.file).split(".").pop() };
   }
 
   /**
@@ -276,7 +282,7 @@ export class Halftone extends PicturePanel {
       if (draft) return this.showResult({ ...this.shown, original, dots, drawing: undefined });
       this.showResult({
         original, dots, scale: original && dots.width / original.width,
-        drawing: this.plotter.isOn ? undefined : async () => (await this.#post({ ...shownOptions(options), format: "svg" }, this.#stop.signal, { onProgress: () => {} })).text(),
+        drawing: this.plotter.isOn ? undefined : async () => (await this.#post({ ...shownOptions(suited(options)), format: "svg" }, this.#stop.signal, { onProgress: () => {} })).text(),
         status: `${describe(options, response)}, ${dots.width} \u00d7 ${dots.height} pixels, ${seconds(start)}`,
         warnings: allWarningsOf(response, this.plotter.minutes !== undefined),
       });
@@ -302,7 +308,7 @@ export class Halftone extends PicturePanel {
 
   async #plot(options, signal) {
     if (!this.plotter.isOn) return;
-    const response = await this.#post({ ...options, format: "svg" }, signal);
+    const response = await this.#post({ ...suited(options), format: "svg" }, signal);
     const svg = await response.text();
     this.plotter.showDrawing(svg);
     const drawing = () => svg;

@@ -44,8 +44,6 @@ export const moreFields = [
   gravity,
   { kind: "number", name: "scale", label: "Scale", value: 2, min: 0.1, max: 16, log: true, auto: true,
     help: "Pixels of the result per pixel of the picture, along each side. For print. auto: the width determines the size." },
-  { kind: "number", name: "width_mm", label: "Print width, mm", value: 200, min: 20, max: 2000, step: 1, log: true, auto: true, free: "none",
-    help: "The width at which other programs print the file. Sets the resolution of PNG and TIFF, and the size of SVG." },
   { kind: "choice", name: "alpha", label: "Transparency", standard: "display", choices: [["display", "as in viewers"], ["linear", "lighter"]] },
   { kind: "choice", name: "quality", label: "Quality", standard: "standard", choices: [["standard", "standard"], ["draft", "draft: faster"], ["best", "best: slower"]],
     help: "How evenly dots are spread. A draft takes half as long as standard, best takes twice as long." },

@@ -7,6 +7,10 @@ import { isPicture } from "./file_kind.js";
 
 const copiedFor = 2000;  // ms for which a button tells that it has copied
 
+/** Returns the name of the file in an answer: the given one, or for several files that of their archive. */
+export const fileOf = ({ headers }, name) =>
+  (headers.get("Content-Type") === "application/zip" ? name.replace(/[^.]+$/, "zip") : name);
+
 export class Panel {
   #loads = 0;
 
@@ -151,17 +155,19 @@ export class Panel {
     this.format = make("select", { attributes: { "aria-label": "Format" } });
     this.find(".download").append(this.downloadButton(async (signal) => {
       const { value: format, selectedOptions: [{ dataset }] } = this.format;
-      return { response: await ask(format, signal), name: dataset.file };
+      const response = await ask(format, signal);
+      return { response, name: fileOf(response, dataset.file) };
     }), this.format);
   }
 
   /**
    * Fills the menu of formats, JSON last, and keeps the selected format if it is still offered.
-   * @param given  names of the options that are set; formats that need other options are omitted
+   * @param given  names of the options that are set; formats that need other options are omitted. Paper gives a width
    */
   offerDownloads(formats, file, given = []) {
     const { value } = this.format;
-    const offered = formats.filter(({ needs = [] }) => needs.every((name) => given.includes(name)))
+    const isGiven = (name) => given.includes(name) || (name === "width_mm" && given.includes("paper"));
+    const offered = formats.filter(({ needs = [] }) => needs.every(isGiven))
       .sort((a, b) => (a.name === "json") - (b.name === "json"));
     const options = offered.map(({ name, title, extension }) => {
       const option = new Option(title, name, false, name === value);

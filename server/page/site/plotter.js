@@ -2,22 +2,23 @@
 // Controls for a drawing by a plotter: paper, pen and time limit. Shows the length of the path and the duration.
 
 import { element as shape } from "./chart.js";
-import { count, make, metres, save } from "./dom.js";
+import { count, make, metres } from "./dom.js";
 import { Fields } from "./fields.js";
-
-const papers = { a6: [105, 148], a5: [148, 210], a4: [210, 297], a3: [297, 420], a2: [420, 594], letter: [215.9, 279.4] };  // mm
+import { marksField, paperChoices, papers, suited } from "./print_options.js";
 
 /** Styles in which the pen fills dots that are wider than the pen. */
 const fillings = ["spiral", "circles"];
 
 const fields = [
-  { kind: "choice", name: "paper", label: "Paper", choices: [["a4", "A4"], ["a6", "A6"], ["a5", "A5"], ["a3", "A3"], ["a2", "A2"], ["letter", "Letter"], ["none", "custom width"]] },
+  { kind: "choice", name: "paper", label: "Paper", choices: [...paperChoices, ["none", "custom width"]] },
   { kind: "number", name: "margin_mm", label: "Minimum margin, mm", value: 10, min: 0, max: 50, step: 1 },
+  marksField,
   { kind: "number", name: "width_mm", label: "Width, mm", value: 200, min: 20, max: 2000, step: 1, log: true },
   { kind: "number", name: "pen_mm", label: "Pen width, mm", value: 0.7, min: 0.1, max: 5, log: true,
     help: "The width of the lines that the pen draws. Strokes and circles make dots of this width. A wider pen needs fewer dots." },
   { kind: "choice", name: "style", label: "Dots are", choices: [["stroke", "short strokes"], ["fill", "circles"], ["spiral", "spirals"], ["circles", "nested circles"], ["path", "joined by a line"]],
     help: "For a short stroke, the pen goes down and up. Plotter software draws circles as outlines, or fills them. Spirals and nested circles fill dots that are wider than the pen. A line through all dots replaces the dots." },
+  { kind: "check", name: "closed", label: "Closed tour", standard: false, help: "The line ends where it starts." },
   { kind: "number", name: "dot_mm", label: "Dot width, mm", value: 2, min: 0.2, max: 20, log: true,
     help: "The pen fills each dot with turns that are one pen width apart." },
   { kind: "number", name: "minutes", label: "Time limit, min", value: 45, min: 5, max: 600, step: 1, log: true, auto: true, free: "none",
@@ -25,11 +26,16 @@ const fields = [
   { kind: "number", name: "speed", label: "Speed, mm/s", value: 100, min: 5, max: 500, step: 1, log: true },
   { kind: "number", name: "lift", label: "Pen lift, seconds", value: 0.15, min: 0.01, max: 2, log: true,
     help: "Time that the pen needs to go down and up again, for each stroke." },
-  { kind: "choice", name: "dwell_unit", label: "G-code: dwell", standard: "s", choices: [["s", "seconds: GRBL"], ["ms", "milliseconds: Marlin"]] },
-  { kind: "text", name: "pen_down", label: "G-code: pen down", value: "M3 S1000", standard: "M3 S1000",
-    help: "Commands that lower the pen. Separate lines by |. For a Z axis: G1 Z-1 F300." },
-  { kind: "text", name: "pen_up", label: "G-code: pen up", value: "M5", standard: "M5",
-    help: "Commands that lift the pen. Separate lines by |. For a Z axis: G0 Z2." },
+  { kind: "number", name: "dwell", label: "Burning time of a dot, seconds", value: 0.075, min: 0, max: 2, step: 0.005 },
+  { kind: "choice", name: "split", label: "Files", standard: "one", choices: [["one", "one"], ["ink", "one for each ink"], ["time", "parts of limited time"]],
+    help: "Several files are saved in one ZIP file. They have the same page, so they fit together." },
+  { kind: "number", name: "part_minutes", label: "Time per file, min", value: 30, min: 1, max: 600, step: 1, log: true },
+  { kind: "choice", name: "machine", label: "G-code: machine", standard: "grbl", choices: [["grbl", "GRBL"], ["marlin", "Marlin"], ["laser", "laser of GRBL"]] },
+  { kind: "choice", name: "dwell_unit", label: "G-code: dwell", standard: "auto", choices: [["auto", "as the machine"], ["s", "seconds"], ["ms", "milliseconds"]] },
+  { kind: "text", name: "pen_down", label: "G-code: pen down",
+    help: "Commands that lower the pen. Separate lines by |. Empty: those of the machine, M3 S1000 for GRBL. For a Z axis: G1 Z-1 F300." },
+  { kind: "text", name: "pen_up", label: "G-code: pen up",
+    help: "Commands that lift the pen. Separate lines by |. Empty: those of the machine, M5 for GRBL. For a Z axis: G0 Z2." },
 ];
 
 /** Formats a duration in hours and minutes, in minutes, or in seconds. */
@@ -52,13 +58,18 @@ function fillLength(style, width, pen) {
  * @returns  {dots, strokes, path}: `path` is the length of all moves, in units of the drawing
  */
 function pathOf(part, style) {
-  let [strokes, corners, path, before] = [0, 0, 0, null];
-  for (const [, command, x, y, cx = x, cy = y] of part.matchAll(/([ML])([-\d.e]+) ([-\d.e]+)|cx="([^"]+)" cy="([^"]+)"/g)) {
-    const here = [Number(cx), Number(cy)];
+  let [strokes, corners, path, before, start] = [0, 0, 0, null, null];
+  const go = (here) => {
     if (before) path += Math.hypot(here[0] - before[0], here[1] - before[1]);
     before = here;
+  };
+  for (const [text, command, x, y, cx = x, cy = y] of part.matchAll(/([ML])([-\d.e]+) ([-\d.e]+)|cx="([^"]+)" cy="([^"]+)"|Z"/g)) {
+    go(text === 'Z"' ? start : [Number(cx), Number(cy)]);
+    if (text === 'Z"') continue;  // the line is closed
     ++corners;
-    if (command !== "L") ++strokes;
+    if (command === "L") continue;
+    start = before;
+    ++strokes;
   }
   return { dots: style === "path" ? corners : strokes, strokes, path };
 }
@@ -71,7 +82,6 @@ function layersOf(svg, style) {
 }
 
 export class Plotter {
-  #svg = null;
   #shownOptions = null;  // options of the current drawing; null if there is none, or a new one was requested
   #layers = [];
 
@@ -91,13 +101,11 @@ export class Plotter {
     const form = make("form", { noValidate: true });
     this.box = make("input", { type: "checkbox" });
     this.figures = make("div", { className: "figures", role: "status" });
-    this.button = make("button", { type: "button", textContent: "Save SVG of this paper size", disabled: true });
-    this.body = make("div", { className: "plot" }, form, this.figures, this.button,
-      make("p", { className: "hint", textContent: "Download offers PDF, HPGL, G-code and DXF, with a page as large as the drawing." }));
+    this.body = make("div", { className: "plot" }, form, this.figures,
+      make("p", { className: "hint", textContent: "Download saves the drawing on this paper as SVG, PDF, EPS, HPGL, G-code or DXF." }));
     place.append(make("label", {}, this.box, " Draw with a pen"), this.body);
     this.fields = new Fields(form, fields, (draft) => this.#fieldChanged(draft));
     this.box.addEventListener("change", () => { this.#settle(); turned(this.isOn); });
-    this.button.addEventListener("click", () => save(new Blob([this.#onPaper()], { type: "image/svg+xml" }), "plot.svg"));
     this.#settle();
   }
 
@@ -133,23 +141,42 @@ export class Plotter {
   }
 
   /**
-   * Returns the options of a drawing: width, dots, pen and, if there is one, the time limit. Adds the speed for G-code.
+   * Returns the options of a drawing: width, dots, pen and, if there is one, the time limit. Adds the paper and the
+   * files for a format that has these, and the machine if its time matters.
    */
   options(format) {
-    const { pen_mm: pen, style, speed, lift, dwell_unit, pen_down, pen_up } = this.fields.values();
-    const { width } = this.#page();
+    const { pen_mm: pen, style, closed, speed, machine, dwell_unit, pen_down, pen_up, ...values } = this.fields.values();
+    const { width, paper } = this.#page();
     const { minutes } = this;
+    const files = suited({
+      ...(paper && { paper: values.paper, margin: values.margin_mm, ...(values.marks && { marks: true }) }),
+      ...(values.split && { split: values.part_minutes ?? values.split }),
+    }, format);
+    const isTimed = minutes !== undefined || typeof files.split === "number" || format === "gcode";
     return {
       width_mm: width,
       ...(style !== "path" && { dot: this.dot(this.#dotWidth / 2, width) }),
       ...(style !== "fill" && { style }),
       ...((style === "path" || fillings.includes(style)) && { pen }),
       ...(minutes !== undefined && { minutes }),
-      ...((minutes !== undefined || format === "gcode") && { speed, dwell: lift / 2 }),
-      ...(format === "gcode" && dwell_unit !== "s" && { dwell_unit }),
+      ...(closed && { closed }),
+      ...files,
+      ...(isTimed && { speed, ...(this.#dwell !== undefined && { dwell: this.#dwell }), ...(machine && { machine }) }),
+      ...(format === "gcode" && dwell_unit !== undefined && { dwell_unit }),
       ...(format === "gcode" && pen_down !== undefined && { pen_down }),
       ...(format === "gcode" && pen_up !== undefined && { pen_up }),
     };
+  }
+
+  /** Time of a dwell in seconds; undefined for the line of a laser, which has none. */
+  get #dwell() {
+    const { lift, dwell } = this.fields.values();
+    return lift === undefined ? dwell : lift / 2;
+  }
+
+  /** Time in seconds that each stroke takes in addition to its length. */
+  get #strokeTime() {
+    return this.fields.values().lift ?? this.#dwell ?? 0;
   }
 
   /** Time limit of the drawing in minutes; undefined if there is none. */
@@ -166,7 +193,7 @@ export class Plotter {
   #estimate() {
     const plan = this.plan();
     if (!plan) return null;
-    const { pen_mm: pen, style, minutes, speed, lift } = this.fields.values();
+    const { pen_mm: pen, style, minutes, speed } = this.fields.values();
     const { width, height } = this.#page();
     const area = width * height;
     const share = plan.inks.reduce((sum, ink) => sum + ink.share, 0);
@@ -177,7 +204,7 @@ export class Plotter {
     // A path through n evenly spread dots is about the square root of n times their area long.
     const step = Math.sqrt(area) * plan.inks.reduce((sum, ink) => sum + ink.spread * Math.sqrt(ink.share / share), 0);
     const filling = fillings.includes(style) ? fillLength(style, dot, pen) : 0;
-    const each = style === "path" ? 0 : lift + filling / speed;
+    const each = style === "path" ? 0 : this.#strokeTime + filling / speed;
     const half = step / speed / 2;
     const root = (60 * minutes) / (half + Math.sqrt(half ** 2 + 60 * minutes * each));
     const dots = minutes > 0 ? Math.max(Math.min(wanted, Math.floor(root ** 2)), 1) : wanted;
@@ -186,16 +213,13 @@ export class Plotter {
   }
 
   showDrawing(svg) {
-    this.#svg = svg;
-    this.button.disabled = svg === null;
     this.#shownOptions = svg === null ? null : this.#drawingOptions;
     this.#layers = svg === null ? [] : layersOf(svg, this.style);
     this.#tellFigures();
   }
 
-  /** Disables saving until the next drawing arrives, and shows estimates for it. */
+  /** Shows estimates until the next drawing arrives. */
   wait() {
-    this.button.disabled = true;
     this.#shownOptions = null;
     this.#layers = [];
     if (this.isOn) this.#tellFigures();
@@ -203,7 +227,7 @@ export class Plotter {
 
   /** Shows the errors of the server beside the fields. Translates the names of options to those of the fields. */
   show(errors) {
-    const ownNames = { dot: fillings.includes(this.style) ? "dot_mm" : "pen_mm", pen: "pen_mm", dwell: "lift" };
+    const ownNames = { dot: fillings.includes(this.style) ? "dot_mm" : "pen_mm", pen: "pen_mm", margin: "margin_mm", ...(this.fields.values().dwell === undefined && { dwell: "lift" }) };
     this.fields.show(errors.map((error) => ({ ...error, pointer: ownNames[error.pointer.replace(/^\//, "")] ?? error.pointer })));
   }
 
@@ -228,11 +252,17 @@ export class Plotter {
 
   #settle() {
     this.body.hidden = !this.isOn;
-    const isFree = this.fields.values().paper === "none";
+    const { paper, machine, split } = this.fields.values();
+    const isFree = paper === "none";
+    const isLine = this.style === "path";
     this.fields.offer("width_mm", isFree);
-    this.fields.offer("margin_mm", !isFree);
+    for (const name of ["margin_mm", "marks"]) this.fields.offer(name, !isFree);
     this.fields.offer("minutes", this.isTimed);
     this.fields.offer("dot_mm", fillings.includes(this.style));
+    this.fields.offer("closed", isLine);
+    this.fields.offer("lift", machine !== "laser");
+    this.fields.offer("dwell", machine === "laser" && !isLine);
+    this.fields.offer("part_minutes", split === "time");
   }
 
   /**
@@ -251,17 +281,8 @@ export class Plotter {
     return { width: fitted, height: (fitted * height) / width, paper: best.paper };
   }
 
-  #onPaper() {
-    const { width, height, paper } = this.#page();
-    if (!paper) return this.#svg;
-    const [x, y] = [(width - paper[0]) / 2, (height - paper[1]) / 2].map((value) => Number(value.toFixed(3)));
-    return this.#svg.replace(/ width="[^"]*" height="[^"]*" viewBox="[^"]*"/,
-      ` width="${paper[0]}mm" height="${paper[1]}mm" viewBox="${x} ${y} ${paper[0]} ${paper[1]}"`);
-  }
-
   #time({ strokes, path }) {
-    const { speed, lift } = this.fields.values();
-    return path / speed + strokes * lift;
+    return path / this.fields.values().speed + strokes * this.#strokeTime;
   }
 
   #foretell() {

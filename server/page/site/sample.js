@@ -14,6 +14,7 @@ import { postPatiently } from "./jobs.js";
 import { keep, kept } from "./kept.js";
 import { Panel } from "./panel.js";
 import { Plotter } from "./plotter.js";
+import { offerPrint, suited } from "./print_options.js";
 import { drawingFields, fields, fileFields, formats, masks, methodNamed, moreFields, maxPoints, shapeFields, surfaceFields, surfaces, volumes } from "./sample_options.js";
 import { areaOf, boundsOf, firstPolygon, outlineOf, polygonOf, polygonsOfMesh, rectangle, unitTorus } from "./shape.js";
 import { Snippets } from "./snippets.js";
@@ -695,8 +696,7 @@ export class Sample extends Panel {
 
   #fileOptions(format) {
     if (this.isMask || this.#isSpatial) return {};
-    if (formats.find(({ name }) => name === format).drawn)
-      return { ...this.drawingFields.values(), ...(this.plotter.isOn && this.plotter.options(format)) };
+    if (formats.find(({ name }) => name === format).drawn) return suited(this.#drawingOptions(format), format);
     const { properties, multipoint } = this.fileFields.values();
     return {
       ...(properties !== undefined && listsProperties.includes(format) && { properties }),
@@ -704,9 +704,13 @@ export class Sample extends Panel {
     };
   }
 
+  #drawingOptions(format) {
+    return { ...this.drawingFields.values(), ...(this.plotter.isOn && this.plotter.options(format)) };
+  }
+
   async #plot(signal) {
     if (!this.plotter.isOn || this.#isSpatial) return;
-    const response = await this.#ask({ ...this.options(), ...this.#fileOptions("svg"), format: "svg" }, signal);
+    const response = await this.#ask({ ...this.options(), ...suited(this.#drawingOptions()), format: "svg" }, signal);
     this.plotter.showDrawing(await response.text());
   }
 
@@ -747,7 +751,9 @@ export class Sample extends Panel {
     this.fields.allow("quality", "stealthy", isTorus);
     for (const name of ["properties", "multipoint"]) this.fileFields.offer(name, this.shapeChoice.value === "file");
     this.find(".of-files").hidden = this.find(".files-title").hidden = this.shapeChoice.value !== "file";
-    for (const name of ["dot", "width_mm", "style"]) this.drawingFields.offer(name, !this.plotter.isOn);
+    const { isOn: isPlotted } = this.plotter;
+    for (const name of ["dot", "width_mm", "style"]) this.drawingFields.offer(name, !isPlotted);
+    offerPrint(this.drawingFields, { hasWidth: this.drawingFields.values().width_mm !== undefined, isPlotted });
     for (const name of ["avoid", "exclude", "buffer"]) this.moreFields.offer(name, !isMap && !isTorus && isFlat);
   }
 

@@ -2,6 +2,7 @@
 // Fields for the options of /sample: labels, initial values and help texts.
 
 import { capabilities } from "./api.js";
+import { printFields } from "./print_options.js";
 
 export const { formats, masks, methods, surfaces, volumes } = capabilities.sample;
 export const { max_sites: maxPoints } = capabilities.limits;
@@ -77,7 +78,6 @@ export const drawingFields = [
   { kind: "number", name: "dot", label: "Dot radius", value: 0.01, min: 0.001, max: 1, log: true, auto: true,
     help: "In units of the shape, for SVG and PNG. auto: a quarter of the distance between points." },
   { kind: "number", name: "width", label: "PNG width, pixels", value: 1000, min: 100, max: 10000, step: 1, log: true, auto: true },
-  { kind: "number", name: "width_mm", label: "Print width, mm", value: 200, min: 20, max: 2000, step: 1, log: true, auto: true, free: "none",
-    help: "The width at which other programs print the file. Sets the resolution of PNG, and the size and unit of SVG." },
   { kind: "choice", name: "style", label: "Dots in SVG", standard: "fill", choices: [["fill", "circles"], ["stroke", "strokes for plotters"]] },
+  ...printFields,
 ];
