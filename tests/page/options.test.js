@@ -22,12 +22,12 @@ async function open(address) {
 
 /**
  * Options without a field of the same name. They are older names, shapes, downloads, controls beside the picture, the
- * properties that a map counts, the pen, which has two fields, and zooms of tiles.
+ * properties that a map counts, and the pen, which has two fields.
  */
 const elsewhere = {
   halftone: ["format", "invert", "pen"],
   devices: [],
-  sample: ["polygon", "holes", "geometry", "classes", "object", "iterations", "mesh", "pen", "minzoom", "maxzoom", "dots_per_tile"],
+  sample: ["polygon", "holes", "geometry", "classes", "object", "iterations", "mesh", "pen"],
   surfaces: ["iterations", "mesh"],
 };
 
@@ -98,6 +98,14 @@ test("prints on paper, at a resolution, in a file for each ink", async () => {
 test("offers files in millimetres for a paper", async () => {
   await open("#halftone?sites=500&paper=a6");
   assert.match(await readFile(await (await download(world.page, "halftone", "EPS")).path(), "latin1"), /\n%%BoundingBox: 0 0 298 420\n/);
+});
+
+test("cuts a map into tiles of the chosen zooms", async () => {
+  await open("#sample?shape=texas.geojson&counted=&sites=100&minzoom=2&maxzoom=5");
+  const sent = world.page.waitForRequest((one) => one.url().includes("pmtiles"));
+  await download(world.page, "sample", "PMTiles, vector tiles");
+  const { searchParams } = new URL((await sent).url());
+  assert.deepEqual(["minzoom", "maxzoom", "dots_per_tile"].map((name) => searchParams.get(name)), ["2", "5", null]);
 });
 
 test("gives points the properties of their features", async () => {

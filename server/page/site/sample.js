@@ -697,10 +697,11 @@ export class Sample extends Panel {
   #fileOptions(format) {
     if (this.isMask || this.#isSpatial) return {};
     if (formats.find(({ name }) => name === format).drawn) return suited(this.#drawingOptions(format), format);
-    const { properties, multipoint } = this.fileFields.values();
+    const { properties, multipoint, ...tiles } = this.fileFields.values();
     return {
       ...(properties !== undefined && listsProperties.includes(format) && { properties }),
       ...(multipoint !== undefined && format === "geojson" && { multipoint }),
+      ...(format === "pmtiles" && tiles),
     };
   }
 
@@ -736,7 +737,7 @@ export class Sample extends Panel {
     this.fields.offer("quality", !this.isMask);
     if (this.isMask) this.offerDownloads(masks, "mask");
     else if (!isFlat) this.offerDownloads((isVolume ? volumes : surfaces).formats, "points", Object.keys(this.options()));
-    else this.offerDownloads(formats, "points", Object.keys(this.#fileOptions("svg")));
+    else this.offerDownloads(formats, "points", Object.keys({ ...this.options(), ...this.#fileOptions("svg") }));
     this.countFields?.offer("per", isMap);
     this.mesh.disabled = isMap;
     const { options, max_sites: most } = methodNamed(this.options().method);
@@ -750,6 +751,8 @@ export class Sample extends Panel {
     const isTorus = this.shape?.domain?.type === "torus";
     this.fields.allow("quality", "stealthy", isTorus);
     for (const name of ["properties", "multipoint"]) this.fileFields.offer(name, this.shapeChoice.value === "file");
+    for (const name of ["minzoom", "maxzoom"]) this.fileFields.offer(name, this.#onGlobe);
+    this.fileFields.offer("dots_per_tile", this.#onGlobe && this.fileFields.values().maxzoom === undefined);
     this.find(".of-files").hidden = this.find(".files-title").hidden = this.shapeChoice.value !== "file";
     const { isOn: isPlotted } = this.plotter;
     for (const name of ["dot", "width_mm", "style"]) this.drawingFields.offer(name, !isPlotted);

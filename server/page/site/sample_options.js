@@ -71,6 +71,11 @@ export const fileFields = [
     help: "Properties that each point gets from its feature: names separated by commas, or * for all. For GeoJSON, GeoJSON lines and CSV." },
   { kind: "check", name: "multipoint", label: "All points in one Feature", checked: true, standard: true,
     help: "For GeoJSON. Without this, each point is a Feature, which most GIS programs need for styling and joining." },
+  { kind: "number", name: "minzoom", label: "First zoom of tiles", value: 0, min: 0, max: 22, step: 1, standard: 0,
+    help: "For vector tiles (PMTiles)." },
+  { kind: "number", name: "maxzoom", label: "Last zoom of tiles", value: 10, min: 0, max: 22, step: 1, auto: true,
+    help: "This zoom shows all dots. auto: the first zoom at which no tile has too many dots." },
+  { kind: "number", name: "dots_per_tile", label: "Most dots per tile", value: 10000, min: 100, max: 50000, step: 1, log: true, standard: 10000 },
 ];
 
 /** Fields for the options that only drawings have. */
