@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/fetch/fetch.h"
 
-#include <netdb.h>
 #include <poll.h>
 #include <sys/socket.h>
 
@@ -9,10 +8,12 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <memory>
+#include <future>
 #include <optional>
 #include <span>
 #include <string_view>
+#include <system_error>
+#include <thread>
 #include <utility>
 
 #include "api/text/text.h"
@@ -40,29 +41,64 @@ tl::unexpected<Problem> too_large() {
     return problem(413, "image_url: the file is too large (max-body)");
 }
 
-/// Waits for an event of a descriptor; returns a problem after the deadline or if the file is no longer wanted.
-HttpResult<void> wait_for(int descriptor, short event, Clock::time_point deadline,
+/// Waits for an event; returns a problem after the deadline or if the file is no longer wanted.
+/// @param happens_until  waits for the event until a time, and returns whether it has happened
+template <class HappensUntil>
+HttpResult<void> wait_for(const HappensUntil& happens_until, Clock::time_point deadline,
                           const std::function<bool()>& given_up) {
     while (!given_up()) {
         if (Clock::now() >= deadline) return not_fetched("the host took too long");
-        pollfd polled{descriptor, event, 0};
-        if (poll(&polled, 1, milliseconds_until(std::min(deadline, Clock::now() + kPollInterval))) > 0) return {};
+        if (happens_until(std::min(deadline, Clock::now() + kPollInterval))) return {};
     }
     return not_fetched("the file is no longer wanted");
 }
 
+HttpResult<void> wait_for_event(int descriptor, short event, Clock::time_point deadline,
+                                const std::function<bool()>& given_up) {
+    const auto happens_until = [&](Clock::time_point time) {
+        pollfd polled{descriptor, event, 0};
+        return poll(&polled, 1, milliseconds_until(time)) > 0;
+    };
+    return wait_for(happens_until, deadline, given_up);
+}
+
+/// The outcome of a look-up: an error of getaddrinfo(), or addresses.
+struct Lookup {
+    int error = 0;
+    std::shared_ptr<const addrinfo> found;
+};
+
+/// Looks up a host in a thread of its own, which keeps `slot`.
+HttpResult<Lookup> look_up(const Origin& origin, Clock::time_point deadline, const std::function<bool()>& given_up,
+                           const std::shared_ptr<void>& slot, const Resolver& resolve) {
+    std::packaged_task<Lookup()> task([host = origin.host, port = origin.port, slot, resolve] {
+        addrinfo wanted{};
+        wanted.ai_socktype = SOCK_STREAM;
+        wanted.ai_flags = AI_NUMERICSERV;
+        addrinfo* found = nullptr;
+        const int error = resolve(host.c_str(), port.c_str(), &wanted, &found);
+        if (error != 0) return Lookup{error, nullptr};
+        return Lookup{0, {found, [](addrinfo* list) { freeaddrinfo(list); }}};
+    });
+    std::future<Lookup> lookup = task.get_future();
+    try {
+        std::thread(std::move(task)).detach();
+    } catch (const std::system_error&) {
+        return problem(503, "there are too few threads left");
+    }
+    const auto happens_until = [&](Clock::time_point time) {
+        return lookup.wait_until(time) == std::future_status::ready;
+    };
+    return wait_for(happens_until, deadline, given_up).map([&] { return lookup.get(); });
+}
+
 /// Connects to the first permitted address of a host that accepts the connection.
-HttpResult<UniqueFd> connect_to_origin(const Origin& origin, const TargetHosts& origins, Clock::time_point deadline,
-                                       const std::function<bool()>& given_up) {
-    addrinfo wanted{};
-    wanted.ai_socktype = SOCK_STREAM;
-    wanted.ai_flags = AI_NUMERICSERV;
-    addrinfo* found = nullptr;
-    if (const int error = getaddrinfo(origin.host.c_str(), origin.port.c_str(), &wanted, &found); error != 0)
-        return not_fetched("the host " + origin.host + " was not found: " + gai_strerror(error));
-    const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> owner(found, freeaddrinfo);
+HttpResult<UniqueFd> connect_to_origin(const Origin& origin, const Lookup& lookup, const TargetHosts& origins,
+                                       Clock::time_point deadline, const std::function<bool()>& given_up) {
+    if (lookup.error != 0)
+        return not_fetched("the host " + origin.host + " was not found: " + gai_strerror(lookup.error));
     std::string failure;
-    for (const addrinfo* each = found; each != nullptr; each = each->ai_next) {
+    for (const addrinfo* each = lookup.found.get(); each != nullptr; each = each->ai_next) {
         sockaddr_storage address{};
         std::memcpy(&address, each->ai_addr, std::min<std::size_t>(each->ai_addrlen, sizeof(address)));
         const Peer peer = describe_peer(address);
@@ -73,7 +109,7 @@ HttpResult<UniqueFd> connect_to_origin(const Origin& origin, const TargetHosts& 
         UniqueFd connection(socket(each->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
         if (!connection) return problem(503, "there are too few descriptors left");
         if (connect(connection.get(), each->ai_addr, each->ai_addrlen) != 0 && errno == EINPROGRESS) {
-            if (auto ready = wait_for(connection.get(), POLLOUT, deadline, given_up); !ready)
+            if (auto ready = wait_for_event(connection.get(), POLLOUT, deadline, given_up); !ready)
                 return tl::unexpected(std::move(ready.error()));
         }
         int error = 0;
@@ -102,7 +138,7 @@ HttpResult<Fetched> receive(int fetcher, const FetchLimits& limits, Clock::time_
     bool reserved = false;
     std::array<char, kMaxFetchNews> message{};
     while (true) {
-        if (auto ready = wait_for(fetcher, POLLIN, deadline, given_up); !ready)
+        if (auto ready = wait_for_event(fetcher, POLLIN, deadline, given_up); !ready)
             return tl::unexpected(std::move(ready.error()));
         const std::size_t size = receive_message(fetcher, std::as_writable_bytes(std::span(message)));
         if (size == 0) return not_fetched("the answer of the host cannot be read");
@@ -136,12 +172,15 @@ HttpResult<Fetched> receive(int fetcher, const FetchLimits& limits, Clock::time_
 
 HttpResult<std::string> fetch(std::string url, const TargetHosts& origins, const FetchLimits& limits,
                               const std::function<HttpResult<void>(std::size_t)>& reserve,
-                              const std::function<bool()>& given_up) {
+                              const std::function<bool()>& given_up, const std::shared_ptr<void>& slot,
+                              const Resolver& resolve) {
     const auto deadline = Clock::now() + limits.timeout;
     for (int redirects = 0; redirects <= limits.max_redirects; ++redirects) {
         const auto origin = check_target(url, origins);
         if (!origin) return problem(400, "image_url: " + origin.error().message + " (origin)");
-        auto connection = connect_to_origin(*origin, origins, deadline, given_up);
+        const auto lookup = look_up(*origin, deadline, given_up, slot, resolve);
+        if (!lookup) return tl::unexpected(lookup.error());
+        auto connection = connect_to_origin(*origin, *lookup, origins, deadline, given_up);
         if (!connection) return tl::unexpected(std::move(connection.error()));
         auto sockets = make_sockets(SOCK_SEQPACKET);
         if (!sockets) return problem(503, "there are too few descriptors left");

@@ -115,6 +115,7 @@ Result<int> post(const std::string& url, const std::vector<Header>& headers, con
     set(CURLOPT_POSTFIELDS, body.data());
     set(CURLOPT_TIMEOUT_MS, static_cast<long>(timeout.count()));
     set(CURLOPT_NOSIGNAL, 1L);
+    set(CURLOPT_QUICK_EXIT, 1L);  // does not wait for the look-up of a name after the time limit
     set(CURLOPT_OPENSOCKETFUNCTION, open_socket);
     set(CURLOPT_OPENSOCKETDATA, &context);
     set(CURLOPT_NOPROGRESS, 0L);

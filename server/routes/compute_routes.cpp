@@ -402,14 +402,15 @@ HttpResult<std::string> ComputeRoutes::read_body(const Incoming& incoming, const
 
 /// Fetches a picture from one of the permitted origins.
 HttpResult<std::string> ComputeRoutes::fetch_picture(const std::string& url, const Incoming& incoming) {
-    const std::shared_ptr<void> slot(nullptr, [this](void*) { --fetches_; });
-    if (++fetches_ > kMaxFetches) return busy(503, "too many pictures are being fetched");
+    const std::shared_ptr<void> slot(nullptr, [fetches = fetches_](void*) { --*fetches; });
+    if (++*fetches_ > kMaxFetches) return busy(503, "too many pictures are being fetched");
     MemoryBudget::Lease lease;
     const auto reserve = [&](std::size_t bytes) {
         return reserve_memory(bytes).map([&](MemoryBudget::Lease&& reserved) { lease = std::move(reserved); });
     };
-    return fetch(url, config_.origins, {.max_bytes = config_.max_body, .timeout = config_.patience.body}, reserve,
-                 [&] { return abandoned_ || incoming.connection.client_gone(); });
+    return fetch(
+        url, config_.origins, {.max_bytes = config_.max_body, .timeout = config_.patience.body}, reserve,
+        [&] { return abandoned_ || incoming.connection.client_gone(); }, slot);
 }
 
 /// Reserves memory for a request until it is answered.

@@ -119,7 +119,8 @@ private:
     const ReadShapefile read_shapefile_;
     JobService& jobs_;
     ResultCache cache_;
-    std::atomic<int> fetches_ = 0;  ///< number of pictures that are being fetched
+    /// Number of pictures that are being fetched, and of look-ups that have not ended. These may outlive this object.
+    const std::shared_ptr<std::atomic<int>> fetches_ = std::make_shared<std::atomic<int>>(0);
     std::atomic<bool> draining_ = false;
     std::atomic<bool> abandoned_ = false;
 };
