@@ -169,22 +169,30 @@ Result<ApiRequest> build_request(const Command& command, const Arguments& argume
     return std::move(body).map([](std::string text) { return ApiRequest{std::move(text), {}}; });
 }
 
-Result<bool> add_format(const Command& command, const api::FileFormat& format, std::string& input) {
+Result<bool> set_output(const Command& command, const api::FileFormat& format, bool is_split, std::string& input) {
     if (command.name != "sample" || !begins_like_json(input)) return false;
     const auto parsed = api::JsonDocument::parse(input);
     if (!parsed || !parsed->root().is_object() || !api::kind_of_json(parsed->root()).empty()) return false;
     const auto given = parsed->root().find("format");
-    if (!given) {
-        const std::string member = R"("format":")" + std::string(format.name) + '"';
-        input.insert(input.find('{') + 1, member + (parsed->root().size() > 0 ? "," : ""));
-        return true;
-    }
+    const bool splits = parsed->root().find("split").has_value();
     const auto formats = command.formats();
-    const auto found = std::ranges::find_if(
-        formats, [&](const api::FileFormat* each) { return given->is_string() && each->name == given->text(); });
+    const auto found = std::ranges::find_if(formats, [&](const api::FileFormat* each) {
+        return given && given->is_string() && each->name == given->text();
+    });
     // The parser reports an unknown name.
-    if (found == formats.end() || (*found)->extension == format.extension) return true;
-    return failure(ErrorCode::Malformed, "the input has the format " + given->text(), "format");
+    if (found != formats.end() && (*found)->extension != format.extension)
+        return failure(ErrorCode::Malformed, "the input has the format " + given->text(), "format");
+    if (splits && !is_split)
+        return failure(ErrorCode::Malformed,
+                       "the input has the option split, which makes several files: use {ink} in --output, as in "
+                       "'{name}-{ink}.svg', or standard output for a ZIP archive",
+                       "output");
+    std::string added;
+    if (!given) added += R"("format":")" + std::string(format.name) + "\",";
+    if (is_split && !splits) added += R"("split":"ink",)";
+    if (parsed->root().size() == 0 && !added.empty()) added.pop_back();
+    input.insert(input.find('{') + 1, added);
+    return true;
 }
 
 std::size_t parsing_memory(std::string_view input) {

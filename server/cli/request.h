@@ -26,10 +26,13 @@ struct ApiRequest {
 /// of points that cannot be read; LimitExceeded for too many points.
 Result<ApiRequest> build_request(const Command& command, const Arguments& arguments, const std::string* input);
 
-/// Adds the format of the output to a JSON body of options, unless the body names a format with the same extension.
-/// @returns  false if the input is no such body, which leaves it unchanged
-/// Errors: Malformed if the body names a format with another extension, with `format` as Error::field.
-Result<bool> add_format(const Command& command, const api::FileFormat& format, std::string& input);
+/// Adds the format of the output to a JSON body of options, unless the body names a format with the same extension, and
+/// for several outputs a file for each ink, unless the body has `split`.
+/// @param is_split  whether the output can be several files
+/// @returns         false if the input is no such body, which leaves it unchanged
+/// Errors: Malformed if the body names a format with another extension, with `format` as Error::field; or if it has
+/// `split` and the output is one file, with `output`.
+Result<bool> set_output(const Command& command, const api::FileFormat& format, bool is_split, std::string& input);
 
 /// Estimates the memory for parsing an input, in bytes.
 std::size_t parsing_memory(std::string_view input);

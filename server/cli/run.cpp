@@ -175,10 +175,6 @@ public:
 
     /// @returns  exit status
     int run() {
-        const auto split = std::ranges::find(options_, "split", &Option::member);
-        const bool names_ink = arguments_.output.value_or("").find(kInk) != std::string::npos;
-        if (names_ink && split != options_.end() && arguments_.find("split") == nullptr)
-            arguments_.given.push_back({&*split, "ink"});
         auto tasks = plan_tasks(command_, arguments_);
         if (!tasks) return report({}, tasks.error());
         // The decoder starts while options and input are read.
@@ -245,22 +241,26 @@ private:
         if (command_.name == "sample" && input && input->starts_with(api::kZipSignature)) {
             if (auto converted = convert(*input, arguments); !converted) return converted;
         }
+        const auto split = std::ranges::find(options_, "split", &Option::member);
+        const bool is_split = task.output.find(kInk) != std::string::npos && split != options_.end();
         const bool sets_format =
             task.output != kStandardStream && arguments.find("format") == nullptr && !keeps_format(task);
-        if (sets_format) {
-            auto added = input && arguments.given.empty() ? add_format(command_, *task.format, *input) : false;
-            if (!added) {
-                blame_output(added.error(), task);
-                return failed(kWrongUsage, added.error());
+        bool is_set = false;  // whether a body of options has what the output says
+        if (sets_format && input && arguments.given.empty()) {
+            auto set = set_output(command_, *task.format, is_split, *input);
+            if (!set) {
+                blame_output(set.error(), task);
+                return failed(kWrongUsage, set.error());
             }
-            if (!*added)
-                arguments.given.push_back(
-                    {&*std::ranges::find(options_, "format", &Option::member), std::string(task.format->name)});
+            is_set = *set;
         }
+        if (sets_format && !is_set)
+            arguments.given.push_back(
+                {&*std::ranges::find(options_, "format", &Option::member), std::string(task.format->name)});
+        if (is_split && !is_set && arguments.find("split") == nullptr) arguments.given.push_back({&*split, "ink"});
         const auto request = build_request(command_, arguments, input ? &*input : nullptr);
         if (!request) return failed(status_of(request.error(), options_), request.error());
         input.reset();
-        const bool is_split = task.output.find(kInk) != std::string::npos;
         OutputFile output(task.output, interruption_);
         auto computed = compute(task, *request, is_split ? nullptr : &output);
         std::size_t written = output.written();

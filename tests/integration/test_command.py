@@ -414,6 +414,16 @@ class Errors(Folder):
         self.assertEqual(told["files"], [f"{self.folder}/a {ink}.svg" for ink in ("cyan", "magenta", "yellow")])
         self.assertEqual(told["bytes"], sum(pathlib.Path(name).stat().st_size for name in told["files"]))
 
+    def test_json_bodies_can_have_several_files(self):
+        shape = {"sites": 50, "width_mm": 100, "polygon": [[0, 0], [4, 0], [0, 3]]}
+        for name, options in (("a", {}), ("b", {"split": "ink"}), ("c", {"split": 1, "speed": 1})):
+            body = self.folder / f"{name}.json"
+            body.write_text(json.dumps({**shape, **options}))
+            self.assert_done(run("sample", body, "-o", self.folder / "{name} {ink}.svg"))
+            self.assertIn(f"{name} dots{'-1' if name == 'c' else ''}.svg", self.names())
+        self.assert_fails(run("sample", body, "-o", self.folder / "c.svg"), 2, "{ink}")
+        self.assertNotIn("c.svg", self.names())
+
     def test_suffixes_set_the_format_of_json_bodies(self):
         body = {"sites": 9, "domain": {"type": "torus", "width": 16, "height": 8}}
         def made(output, **more):
