@@ -215,7 +215,7 @@ Result<void> check_dot(const HalftoneRequest& request, const HalftoneInput& inpu
         return malformed(input.option("dot"),
                          "cannot be given together with sites if dots=both: leave one of them out");
     if (!request.dot || !request.dot->millimetres || request.drawing.has_width()) return {};
-    return malformed(input.option("dot"), "in mm needs width_mm, the width of the drawing in millimetres");
+    return malformed(input.option("dot"), "in mm " + std::string(kNeedsWidth));
 }
 
 /// Checks the option `minutes`, the drawing time of a plotter, which limits the number of dots.
@@ -223,7 +223,7 @@ Result<void> check_minutes(const HalftoneRequest& request, const HalftoneInput& 
     if (!request.minutes) return {};
     if (request.sites) return malformed(input.option("minutes"), "replaces sites: give only one of them");
     if (request.drawing.has_width()) return {};
-    return malformed(input.option("minutes"), "needs width_mm, the width of the drawing in millimetres");
+    return malformed(input.option("minutes"), std::string(kNeedsWidth));
 }
 
 Result<void> check_drawing(const HalftoneRequest& request, const PointFormat& format) {

@@ -140,25 +140,23 @@ Result<void> read_closed(const Input& input, DrawingOptions& options) {
 }
 
 Result<void> check_effects(const DrawingOptions& options, bool has_dot) {
-    const auto fault = [](std::string_view option, const char* message) {
+    const auto fault = [](std::string_view option, const std::string& message) {
         return failure(ErrorCode::Malformed, std::string(option) + message, std::string(option));
     };
+    const auto needs_width = " " + std::string(kNeedsWidth);
     if (options.closed && options.style != DotStyle::Path) return fault("closed", " is an option of style=path only");
     if (options.has_pen && options.style == DotStyle::Fill)
         return fault("pen", " is an option of style=stroke, circles, spiral and path only");
-    if (options.has_pen && options.style == DotStyle::Stroke && !options.has_width())
-        return fault("pen", " needs width_mm, the width of the drawing in millimetres");
+    if (options.has_pen && options.style == DotStyle::Stroke && !options.has_width()) return fault("pen", needs_width);
     if (options.is_dot() && has_dot) return fault("dot", " is half of pen in this style: give only one of them");
     if (!options.of_paper.empty() && !options.paper)
         return fault(options.of_paper, " needs paper, the format of paper");
-    if (options.part_minutes && !options.has_width())
-        return fault("split", " by minutes needs width_mm, the width of the drawing in millimetres");
+    if (options.part_minutes && !options.has_width()) return fault("split", " by minutes" + needs_width);
     if (options.dpi && !options.width_mm)
         return fault("dpi", " needs width_mm, the width of the drawing in millimetres");
     const bool burns_lines = options.plotter.machine == Machine::Laser && options.style == DotStyle::Path;
     if (burns_lines && options.plotter.dwell) return fault("dwell", " has no effect on the lines of a laser");
-    if (!options.of_plotter.empty() && !options.has_width())
-        return fault(options.of_plotter, " needs width_mm, the width of the drawing in millimetres");
+    if (!options.of_plotter.empty() && !options.has_width()) return fault(options.of_plotter, needs_width);
     return {};
 }
 

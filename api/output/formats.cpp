@@ -162,12 +162,12 @@ Result<void> PointFormat::check_kind(const DrawingOptions& drawing) const {
 Result<void> PointFormat::check_drawing(const DrawingOptions& drawing) const {
     const std::string field = "width_mm";
     if (vector() == nullptr || drawing.has_width()) return {};
-    const std::string what = "width_mm (the width of the drawing in millimetres) is missing; ";
+    const std::string what = "width_mm (the width of the drawing in millimetres) or paper is missing; ";
     if (vector()->in_millimetres)
-        return failure(ErrorCode::Malformed, what + "format=" + std::string(file.name) + " needs it", field);
+        return failure(ErrorCode::Malformed, what + "format=" + std::string(file.name) + " needs one of them", field);
     if (drawing.has_pen_width())
-        return failure(ErrorCode::Malformed, what + "style=" + std::string(name_of(drawing.style)) + " needs it",
-                       field);
+        return failure(ErrorCode::Malformed,
+                       what + "style=" + std::string(name_of(drawing.style)) + " needs one of them", field);
     return {};
 }
 

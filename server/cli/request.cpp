@@ -259,6 +259,30 @@ bool is_text(const api::FileFormat& format) {
     return type.starts_with("text/") || type.find("json") != std::string_view::npos || type.ends_with("+xml");
 }
 
+namespace {
+
+bool is_part_of_name(char c) {
+    return c == '_' || c == '-' || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
+}
+
+/// Replaces names of members that no word of a sentence has, such as `width_mm`, by their flags.
+void name_flags(std::string& message, std::span<const Option> options) {
+    for (const Option& option : options) {
+        const std::string& member = option.member;
+        if (member.find('_') == std::string::npos) continue;
+        for (std::size_t at = 0; (at = message.find(member, at)) != std::string::npos;) {
+            const std::size_t end = at + member.size();
+            const bool is_name = (at == 0 || !is_part_of_name(message[at - 1])) &&
+                                 (end == message.size() || !is_part_of_name(message[end]));
+            const std::string flag = is_name ? "--" + option.name : member;
+            message.replace(at, member.size(), flag);
+            at += flag.size();
+        }
+    }
+}
+
+}  // namespace
+
 DescribedError describe_error(const Error& error, std::span<const Option> options) {
     // The limits of the service are flags of the program.
     constexpr std::string_view kLimit = "this server's limit (";
@@ -284,9 +308,11 @@ DescribedError describe_error(const Error& error, std::span<const Option> option
     }
     const std::string flag = "--" + option->name;
     const bool repeats_field = message.starts_with(error.field) || message.starts_with(member);
-    if (!repeats_field) return {flag, flag + ": " + message};
     const std::size_t length = message.starts_with(error.field) ? error.field.size() : member.size();
-    return {flag, flag + (length > member.size() ? std::string(rest) : "") + message.substr(length)};
+    std::string text =
+        repeats_field ? (length > member.size() ? std::string(rest) : "") + message.substr(length) : ": " + message;
+    name_flags(text, options);
+    return {flag, flag + text};
 }
 
 }  // namespace ccdt::server

@@ -218,6 +218,9 @@ private:
             !message.starts_with(std::string(option) + " must be ") || message.find(", not ") != std::string::npos)
             return;
         message += ", not '" + given->typed + "'";
+        std::error_code none;
+        if (given->option->takes_json && std::filesystem::exists(given->typed, none))
+            message += "; @ before the name of a file reads it: @" + given->typed;
     }
 
     /// Whether the answer has the format of the input by default, which its suffix may not tell.

@@ -409,7 +409,7 @@ def test_halftones_are_written_in_other_formats(ramp, tmp_path):
         halftone.save(tmp_path / "a.heic")
     with raises("format", "bmp is not one of png"):
         halftone.write("bmp")
-    with raises("width_mm", "pdf needs it"):
+    with raises("width_mm", "pdf needs one of them"):
         ccdt.halftone(ramp, 60).write("pdf")
     assert not (tmp_path / "a.gcode").exists()
     device = ccdt.halftone(ramp, device="gray4")
