@@ -101,15 +101,25 @@ std::string set_log_format(Draft& draft, std::string_view text) {
     return {};
 }
 
-/// Sets the allowed origins. Accepts only visible ASCII, because the values are sent in a header.
+/// Whether a browser may send this text as the origin of a page. Accepts only visible ASCII, because it is sent back in
+/// a header. Programs with pages of their own have schemes of their own.
+bool is_page_origin(std::string_view text) {
+    const auto is_of_origin = [](char c) { return c > ' ' && c < 0x7f && c != '*'; };
+    const auto host = text.find("://");
+    const bool has_host = host != std::string_view::npos && host > 0 && host + 3 < text.size();
+    return text == "null" || (has_host && std::ranges::all_of(text, is_of_origin) &&
+                              text.find_first_of("/@", host + 3) == std::string_view::npos);
+}
+
+/// Sets the allowed origins.
 std::string set_cors_origins(Draft& draft, std::string_view text) {
     draft.cors_origins.emplace();
     if (text == "none") return {};
     while (true) {
         const auto origin = text.substr(0, text.find(','));
-        if (origin.empty() || !std::ranges::all_of(origin, [](char c) { return c > ' ' && c < 0x7f; }))
+        if (origin != kAny && origin != kLoopback && !is_page_origin(origin))
             return "*, loopback, none, or origins such as https://example.org, separated by commas";
-        draft.cors_origins->emplace_back(origin);
+        draft.cors_origins->push_back(to_lower_case(origin));  // as browsers send it
         if (origin.size() == text.size()) return {};
         text.remove_prefix(origin.size() + 1);
     }

@@ -55,7 +55,8 @@ std::optional<std::string> parse_host(std::string_view text) {
     const bool has_brackets = text.starts_with('[') && text.ends_with(']');
     if (has_brackets) text = text.substr(1, text.size() - 2);
     if (const auto address = IpAddress::parse(text)) return address->text();
-    const auto is_of_name = [](char c) { return c > ' ' && c < 0x7f && c != ':' && c != '/'; };
+    const auto is_of_name = [](char c) { return c > ' ' && c < 0x7f && c != ':' && c != '/' && c != '*'; };
+    if (text == kAny) return std::string(kAny);
     if (text.empty() || has_brackets || !std::ranges::all_of(text, is_of_name)) return std::nullopt;
     return to_lower_case(text);
 }

@@ -33,7 +33,7 @@ std::optional<std::string_view> host_of_authority(std::string_view authority);
 bool allows_host(const std::vector<std::string>& allowed, std::string_view authority);
 
 /// Returns a host in lower case, without the brackets of an address; none if the text has a port, or is neither a name
-/// nor an address.
+/// nor an address nor kAny. `*` stands for no part of a name.
 std::optional<std::string> parse_host(std::string_view text);
 
 /// The scheme, host and port of a URL.

@@ -64,7 +64,12 @@ Result<std::vector<api::TextOption>> parse_options(const std::string& preset, ap
 
 Result<Presets> Presets::parse(std::string_view json) {
     const auto document = api::JsonDocument::parse(json);
-    if (!document) return tl::unexpected(document.error());
+    if (!document) {
+        constexpr std::string_view kBody = "the body";
+        std::string message = document.error().message;
+        if (message.starts_with(kBody)) message.replace(0, kBody.size(), "the file");
+        return wrong(message);
+    }
     if (!document->root().is_object()) return wrong("presets must be members of an object");
     const auto known = known_options();
     Presets presets;

@@ -85,6 +85,8 @@ TEST(Config, AllowsLoopbackOriginsIfBoundToLoopback) {
         EXPECT_TRUE(origins({"--bind", bind}).empty()) << bind;
     EXPECT_TRUE(origins({"--cors-origin=none"}).empty());
     EXPECT_EQ(origins({"--cors-origin=https://a.example"}), std::vector<std::string>{"https://a.example"});
+    EXPECT_EQ(origins({"--cors-origin=https://A.example,null,loopback,app://id"}),
+              (std::vector<std::string>{"https://a.example", "null", "loopback", "app://id"}));
 }
 
 TEST(Config, AllowsOnlyLoopbackHostsIfBoundToLoopback) {
@@ -180,11 +182,11 @@ TEST(Config, ShowsWhereValuesComeFrom) {
 }
 
 TEST(Config, HidesPasswords) {
-    const auto value = [](const char* origin) { return shown(parse({"--cors-origin", origin}), "--cors-origin"); };
-    EXPECT_EQ(value("redis://user:secret@host:6379/0"), "redis://user:***@host:6379/0|--cors-origin");
-    EXPECT_EQ(value("redis://:a:b@c@host"), "redis://:***@host|--cors-origin");
-    EXPECT_EQ(value("redis://user@host:6379"), "redis://user@host:6379|--cors-origin");
-    EXPECT_EQ(value("https://host:80"), "https://host:80|--cors-origin");
+    const auto value = [](const char* address) { return shown(parse({"--docs", address}), "--docs"); };
+    EXPECT_EQ(value("redis://user:secret@host:6379/0"), "redis://user:***@host:6379/0|--docs");
+    EXPECT_EQ(value("redis://:a:b@c@host"), "redis://:***@host|--docs");
+    EXPECT_EQ(value("redis://user@host:6379"), "redis://user@host:6379|--docs");
+    EXPECT_EQ(value("https://host:80"), "https://host:80|--docs");
 }
 
 TEST(Config, ReadsTrustedProxies) {
@@ -525,6 +527,11 @@ TEST(Config, NamesTheInvalidFlagOrVariable) {
         {{"--timeout=1e9"}, {}, "--timeout"},
         {{"--cors-origin=a\r\nb"}, {}, "--cors-origin"},
         {{"--cors-origin=https://a.example,"}, {}, "--cors-origin"},
+        {{"--cors-origin=a.example"}, {}, "--cors-origin"},
+        {{"--cors-origin=https://a.example/"}, {}, "--cors-origin"},
+        {{"--cors-origin=https://*.example"}, {}, "--cors-origin"},
+        {{"--origin=https://*.example"}, {}, "--origin"},
+        {{"--allowed-host=*.example"}, {}, "--allowed-host"},
         {{"--allowed-host="}, {}, "--allowed-host"},
         {{"--allowed-host=a:80"}, {}, "--allowed-host"},
         {{"--allowed-host=http://a"}, {}, "--allowed-host"},

@@ -62,7 +62,7 @@ TEST(TargetHosts, PermitsListedHosts) {
     for (const auto* host : {"hooks.example", "::1"}) EXPECT_TRUE(hosts.permits(Origin{"http", host, "1"})) << host;
     for (const auto* host : {"", "example", "a.hooks.example", "10.0.0.1", "10.0.0.0/8"})
         EXPECT_FALSE(hosts.permits(Origin{"http", host, "1"})) << host;
-    for (const auto* text : {"", "*", "a,", "a:80", "10.0.0.0/8", "10.0.0.0/33", "[a]"})
+    for (const auto* text : {"", "*", "*.a", "a,", "a:80", "10.0.0.0/8", "10.0.0.0/33", "[a]"})
         EXPECT_FALSE(TargetHosts::parse(text)) << text;
 }
 
