@@ -385,6 +385,18 @@ def test_colours_have_inks(cat):
     assert drawn.image().shape[2] == 3
 
 
+def test_options_of_some_formats_need_no_format(ramp, tmp_path):
+    shape, saved = [[0, 0], [4, 0], [4, 3]], tmp_path / "a"
+    for options, suffix, start in (({"paper": "a6"}, ".svg", b"<svg"), ({"paper": "a6", "split": "ink"}, ".zip", b"PK"),
+                                   ({"width_mm": 50, "dpi": 100}, ".png", b"\x89PNG"),
+                                   ({"jpeg_quality": 20}, ".jpg", b"\xff\xd8")):
+        points = ccdt.sample(shape, 20, **options)
+        assert np.array_equal(points, ccdt.sample(shape, 20))
+        for result in (points, ccdt.halftone(ramp, 60, **options)):
+            result.save(saved.with_suffix(suffix))
+            assert saved.with_suffix(suffix).read_bytes().startswith(start)
+
+
 def test_split_drawings_are_saved_as_archives(ramp, tmp_path):
     split = ccdt.halftone(ramp, 60, width_mm=50, split="ink", format="svg", dots="ink")
     with raises("split", "must end with .zip"):

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from . import _core
 from ._drawing import Drawing, Kept
 from ._libraries import seed_of
-from ._options import DeviceOptions, HalftoneOptions, Progress, check_names, texts_of
+from ._options import DeviceOptions, HalftoneOptions, Progress, check_names, format_for, texts_of
 from ._request import npy_array, picture_of, running, warn_of_answer
 
 if TYPE_CHECKING:
@@ -170,7 +170,7 @@ def halftone(picture: Any, sites: Optional[int] = None, *, device: Optional[str]
         sites: exact number of dots. By default, it is chosen for the picture and the size of the drawing.
         device: name of a device, such as ``"spectra6"``. The result is then a :class:`DevicePicture`.
         format: format for which defaults are chosen, such as the size of the drawing. The default is ``"png"``, a
-            drawing for a screen. Results can be written in other formats as well; the dots stay the same.
+            drawing for a screen, or a format that has the given options, such as ``"svg"`` for ``paper``. Results can be written in other formats as well; the dots stay the same.
         linear: whether an array has linear light. By default, values are sRGB, as in most pictures.
         threads: number of threads; by default all processors. Results do not depend on it.
         progress: function that receives the completed share of the work, 0 to 1.
@@ -187,6 +187,8 @@ def halftone(picture: Any, sites: Optional[int] = None, *, device: Optional[str]
     check_names("halftone", options, HalftoneOptions if device is None else DeviceOptions)
     if "seed" in options:
         options["seed"] = seed_of(options["seed"])
+    if device is None and format is None:
+        format = format_for(options, None)
     texts = texts_of({"sites": sites, "device": device, **options, "format": format})
     pixels = picture_of(picture)
     if device is not None:

@@ -149,6 +149,15 @@ def check_names(function: str, options: Mapping[str, object], kind: Type[Any]) -
                             + ", ".join(sorted(names)))
 
 
+#: Formats of the options that only some formats have.
+_FORMATS = {"paper": "svg", "margin": "svg", "marks": "svg", "split": "svg", "dpi": "png", "jpeg_quality": "jpeg"}
+
+
+def format_for(options: Mapping[str, object], otherwise: Optional[str]) -> Optional[str]:
+    """Returns a format that has the given options, or ``otherwise`` if all formats have them."""
+    return next((format for name, format in _FORMATS.items() if options.get(name) is not None), otherwise)
+
+
 def all_names(kind: Type[Any]) -> Tuple[str, ...]:
     """Returns the names of the options of a kind."""
     return tuple(kind.__required_keys__ | kind.__optional_keys__)

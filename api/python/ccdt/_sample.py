@@ -13,7 +13,8 @@ import numpy.typing as npt
 from . import _core
 from ._drawing import Drawing, Kept
 from ._libraries import domain_of, seed_of
-from ._options import PixelOptions, Progress, SampleOptions, Seed, SurfaceOptions, VolumeOptions, check_names
+from ._options import (PixelOptions, Progress, SampleOptions, Seed, SurfaceOptions, VolumeOptions, check_names,
+                       format_for)
 from ._request import npy_array, running, sample_body, surface_request, volume_request
 from .domains import Box, Mesh, Pixels, Solid, Torus, is_in_space, is_mesh_file, region_members
 from .errors import Error, warn
@@ -322,7 +323,7 @@ def sample(domain: Any, sites: Any = None, *, density: Any = None, seed: Seed = 
     check_names("sample", options, PixelOptions if raster else SampleOptions)
     members = {"sites": sites, "density": density, "seed": seed, **options}
     area = region_members(domain)
-    body, has_pictures = sample_body(domain, area, {**members, "format": "npy"})
+    body, has_pictures = sample_body(domain, area, {**members, "format": format_for(options, "npy")})
     if raster:
         return npy_array(_core.answer_sample(body, has_pictures, running(threads, progress)))
     kept = Kept(_core.Sample, body, has_pictures)
