@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -146,7 +147,7 @@ public:
         }
         if (files_.size() > kMaxFiles)
             return failure(ErrorCode::LimitExceeded, "split makes more than 1000 files", "split");
-        if (page_.width_mm) body.set_plot(size_);
+        if (size_) body.set_plot(*size_);
         return write_archive(std::move(files_), body);
     }
 
@@ -179,9 +180,10 @@ private:
         const Answer answer = *body.finish({});
         files_.push_back({name + '.' + std::string(format_.file.extension), answer.body});
         if (!answer.plot) return;
-        size_.seconds += answer.plot->seconds;
-        size_.path_mm += answer.plot->path_mm;
-        size_.pen_mm = std::max(size_.pen_mm, answer.plot->pen_mm);
+        if (!size_) size_.emplace();
+        size_->seconds += answer.plot->seconds;
+        size_->path_mm += answer.plot->path_mm;
+        size_->pen_mm = std::max(size_->pen_mm, answer.plot->pen_mm);
     }
 
     const PointFormat& format_;
@@ -192,7 +194,7 @@ private:
     const std::stop_token& path_stop_;
     const std::stop_token& stop_;
     std::vector<ArchivedFile> files_;
-    PlotSize size_;
+    std::optional<PlotSize> size_;  ///< of all files; none if pens draw none of them
 };
 
 }  // namespace

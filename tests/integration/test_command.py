@@ -415,6 +415,7 @@ class Errors(Folder):
         self.assert_fails(run(*halftone, "-o", self.folder / "x.svg", "--split=ink"), 2, "{ink}")
         told = json.loads(run(*halftone, "-o", self.folder / "a {ink}.svg", "--json").stderr.splitlines()[-1])
         self.assertEqual(told["files"], [f"{self.folder}/a {ink}.svg" for ink in ("cyan", "magenta", "yellow")])
+        self.assertNotIn("plot_seconds", told)  # pens do not draw areas
         self.assertEqual(told["bytes"], sum(pathlib.Path(name).stat().st_size for name in told["files"]))
 
     def test_json_bodies_can_have_several_files(self):
