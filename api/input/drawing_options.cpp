@@ -22,6 +22,9 @@ constexpr Interval kSpeeds = {.min = 0.1, .max = 10'000};
 constexpr Interval kDwells = {.min = 0, .max = 60};
 constexpr std::size_t kLongestCommand = 64;
 
+/// Units of lengths, in millimetres.
+constexpr std::array<Choice<double>, 3> kUnits = {{{"mm", 1}, {"cm", 10}, {"in", 25.4}}};
+
 constexpr std::array<Choice<DotStyle>, 5> kStyles = {{{"fill", DotStyle::Fill},
                                                       {"stroke", DotStyle::Stroke},
                                                       {"circles", DotStyle::Circles},
@@ -50,7 +53,6 @@ std::string_view name_of(DotStyle style) {
 }
 
 Result<double> read_millimetres(const Input& input, const Interval& allowed) {
-    static constexpr std::array<Choice<double>, 3> kUnits = {{{"mm", 1}, {"cm", 10}, {"in", 25.4}}};
     const auto text = read_text(input);
     for (const auto& [unit, length] : kUnits) {
         if (!text || !text->ends_with(unit)) continue;
@@ -87,15 +89,18 @@ Result<void> read_paper(const Input& input, DrawingOptions& options) {
         return {};
     }
     std::string_view rest = name;
+    const auto unit = std::ranges::find_if(kUnits, [&](const auto& each) { return rest.ends_with(each.word); });
+    const double length = unit == kUnits.end() ? 1 : unit->value;
+    if (unit != kUnits.end()) rest.remove_suffix(unit->word.size());
     const auto side = [&](std::string_view digits) {
-        const auto number = parse_number<double>(digits);
-        return number && *number >= kPaperSides.min && *number <= kPaperSides.max ? *number : 0;
+        const double millimetres = length * parse_number<double>(digits).value_or(0);
+        return millimetres >= kPaperSides.min && millimetres <= kPaperSides.max ? millimetres : 0;
     };
     const double width = side(take_until(rest, "x")), height = side(rest);
     options.paper = Point{width, height};
     if (width > 0 && height > 0) return {};
-    return malformed(input,
-                     "must be a0 to a6, letter, legal, tabloid, or two sides from 10 to 10000 mm, such as 300x200");
+    return malformed(
+        input, "must be a0 to a6, letter, legal, tabloid, or two sides from 10 to 10000 mm, such as 300x200 or 9x12in");
 }
 
 Result<void> read_margin(const Input& input, DrawingOptions& options) {

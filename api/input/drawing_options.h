@@ -92,7 +92,7 @@ Result<double> read_millimetres(const Input& input, const Interval& allowed);
 /// Reads the option after which the function is named. Errors: Malformed.
 Result<void> read_width_mm(const Input& input, DrawingOptions& options);
 
-/// Reads the name of a format of paper, or its sides in millimetres such as `300x200`. Errors: Malformed.
+/// Reads the name of a format of paper, or its sides such as `300x200`, in millimetres, or `9x12in`. Errors: Malformed.
 Result<void> read_paper(const Input& input, DrawingOptions& options);
 Result<void> read_margin(const Input& input, DrawingOptions& options);
 Result<void> read_marks(const Input& input, DrawingOptions& options);

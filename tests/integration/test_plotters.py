@@ -491,11 +491,14 @@ class Paper(PlotterCase):
 
     def test_of_points(self):
         body = {"sites": 50, "domain": {"type": "rectangle", "width": 1, "height": 2}, "format": "hpgl", "paper": "200x100", "margin": 0}
-        points = [stroke[0] for stroke in run_hpgl(post_json(self.server, "/sample", body).body)[1]]
+        answer = post_json(self.server, "/sample", body).body
+        points = [stroke[0] for stroke in run_hpgl(answer)[1]]
         self.assert_box(points, (0, 0), (100, 200), 20)
+        self.assertEqual(post_json(self.server, "/sample", {**body, "paper": "20X10CM"}).body, answer)
 
     def test_refuses_what_does_not_fit(self):
         self.assert_refused(("?format=svg&paper=a9", "paper", "a0 to a6"), ("?format=svg&paper=5x900", "paper", "10 to 10000"),
+                            ("?format=svg&paper=5x900in", "paper", "10 to 10000"), ("?format=svg&paper=9inx12in", "paper", "9x12in"),
                             ("?format=svg&paper=nanx90", "paper", "10 to 10000"), ("?format=png&paper=a4", "paper", "svg"),
                             ("?format=svg&margin=9", "margin", "paper"), ("?format=svg&marks=true", "marks", "paper"),
                             ("?format=svg&paper=a4&margin=105", "margin", "no room"),
