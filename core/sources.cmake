@@ -11,6 +11,7 @@ set(ccdt_core_sources
     ccdt/globe/globe.cpp
     ccdt/globe/inside.cpp
     ccdt/globe/inverse_projection.cpp
+    ccdt/globe/map_projection.cpp
     ccdt/globe/plane_density.cpp
     ccdt/globe/region.cpp
     ccdt/maps/confine.cpp
@@ -23,6 +24,7 @@ set(ccdt_core_sources
     ccdt/maps/globe_dots.cpp
     ccdt/maps/locate.cpp
     ccdt/maps/middle.cpp
+    ccdt/maps/outlines.cpp
     ccdt/plane/ccdt.cpp
     ccdt/plane/construction.cpp
     ccdt/plane/domain_mesh.cpp

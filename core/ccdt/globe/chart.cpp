@@ -5,16 +5,14 @@
 #include <cmath>
 
 #include "core/base/elementary.h"
+#include "core/ccdt/globe/ellipsoid.h"
 #include "core/ccdt/globe/turns.h"
 
 namespace ccdt {
 
 namespace {
 
-// WGS 84.
-constexpr double kRadius = 6'378'137;  // equatorial radius in metres
-constexpr double kFlattening = 1 / 298.257223563;
-constexpr double kSquare = kFlattening * (2 - kFlattening);  // squared eccentricity
+constexpr double kSquare = kSquaredEccentricity;
 const double kEccentricity = std::sqrt(kSquare);
 
 Direction cross(Direction a, Direction b) {
@@ -96,7 +94,7 @@ double Chart::ground(Point plane) const {
     const double conformal = conformal_tangent(to_direction(plane)), tangent = geodetic_tangent(conformal);
     const double square = tangent * tangent;
     // Ratio of the radii of the parallel on the ellipsoid, in metres, and on the unit sphere.
-    const double radius = kRadius * std::sqrt((1 + conformal * conformal) / (1 + square - kSquare * square));
+    const double radius = kEquatorialRadius * std::sqrt((1 + conformal * conformal) / (1 + square - kSquare * square));
     const double shrunk = radius / (1 + dot(plane, plane) / 4);
     return shrunk * shrunk;
 }
