@@ -56,6 +56,7 @@ set(ccdt_api_sources
     output/formats.cpp
     output/json_pieces.cpp
     output/json_writer.cpp
+    output/map_figure.cpp
     output/npy_header.cpp
     output/pen_labels.cpp
     output/page.cpp
@@ -67,6 +68,8 @@ set(ccdt_api_sources
     output/split.cpp
     output/stage_costs.cpp
     output/svg_drawing.cpp
+    output/svg_map.cpp
+    output/svg_page.cpp
     problem.cpp
     run/deadline.cpp
     sample/choice/choice_formats.cpp
@@ -77,6 +80,7 @@ set(ccdt_api_sources
     sample/pixels/pixel_formats.cpp
     sample/pixels/pixel_sample.cpp
     sample/plane/exclusions.cpp
+    sample/plane/map_drawing.cpp
     sample/plane/ordering.cpp
     sample/plane/placement.cpp
     sample/plane/sample.cpp

@@ -136,6 +136,7 @@ std::size_t FeatureCounts::total() const {
 Result<FeatureCounts> count_features(const FeatureSource& features, std::span<const std::optional<Point3>> places,
                                      const Counting& counting, const Limits& limits, const std::string& sites) {
     FeatureCounts result;
+    result.per = counting.per.value_or(1);
     result.are_named = !counting.classes.empty();
     result.classes = result.are_named ? counting.classes : std::vector<std::string>{*counting.property};
     std::vector<std::vector<double>> quotas;
@@ -143,7 +144,7 @@ Result<FeatureCounts> count_features(const FeatureSource& features, std::span<co
     for (const std::string& property : result.classes) {
         auto values = read_values(features, property, result.missing.emplace_back());
         if (!values) return tl::unexpected(values.error());
-        for (double& value : *values) total += value /= counting.per.value_or(1);
+        for (double& value : *values) total += value /= result.per;
         if (auto checked = check_total(total, limits, sites); !checked) return tl::unexpected(checked.error());
         quotas.push_back(*std::move(values));
     }

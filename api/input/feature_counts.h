@@ -46,6 +46,7 @@ struct FeatureCounts {
     };
 
     std::vector<std::string> classes;  ///< names of the properties that hold the counts, as in the features
+    double per = 1;                    ///< units of the properties per point
     bool are_named = false;            ///< whether the request named the classes; if so, answers name them too
     std::vector<std::size_t> counts;   ///< [features][classes], one feature after the other
     std::vector<Missing> missing;      ///< [classes]

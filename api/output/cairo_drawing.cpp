@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/output/pdf_drawing.h"
+#include "api/output/cairo_drawing.h"
 
 #include <cairo-pdf.h>
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <exception>
 #include <memory>
 #include <new>
 #include <string>
+#include <utility>
 
 #include "api/output/shape_drawing.h"
 
@@ -30,16 +32,16 @@ cairo_status_t hand_to(void* body, const unsigned char* data, unsigned size) {
     }
 }
 
-/// PDF document of one page that is being written. Coordinates are millimetres from the upper left corner.
-class PdfPage {
+using Surface = std::unique_ptr<cairo_surface_t, Release>;
+using Context = std::unique_ptr<cairo_t, Release>;
+
+/// Page that Cairo draws. Coordinates are relative to the upper left corner.
+class CairoPage {
 public:
-    PdfPage(Point size, Body& body, const std::stop_token& stop) : stop_(stop) {
-        constexpr double kPoints = 72 / 25.4;  // per millimetre
-        surface_.reset(cairo_pdf_surface_create_for_stream(hand_to, &body, kPoints * size.x, kPoints * size.y));
-        // With a fixed date, the same drawing has the same bytes at any time.
-        cairo_pdf_surface_set_metadata(surface_.get(), CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z");
+    /// @param unit  units of the surface per unit of the page
+    CairoPage(Surface surface, double unit, const std::stop_token& stop) : stop_(stop), surface_(std::move(surface)) {
         context_.reset(cairo_create(surface_.get()));
-        cairo_scale(context_.get(), kPoints, kPoints);
+        cairo_scale(context_.get(), unit, unit);
         cairo_set_line_cap(context_.get(), CAIRO_LINE_CAP_ROUND);
         cairo_set_line_join(context_.get(), CAIRO_LINE_JOIN_ROUND);
     }
@@ -107,12 +109,15 @@ public:
 
     bool should_continue() const { return !stop_.stop_requested(); }
 
+    /// Completes the page. Throws std::bad_alloc if memory ran out.
     void finish() {
-        cairo_surface_finish(surface_.get());
+        cairo_surface_flush(surface_.get());
         if (cairo_surface_status(surface_.get()) == CAIRO_STATUS_NO_MEMORY ||
             cairo_status(context_.get()) == CAIRO_STATUS_NO_MEMORY)
             throw std::bad_alloc();
     }
+
+    cairo_surface_t* surface() const { return surface_.get(); }
 
 private:
     void choose(const Colour& colour) {
@@ -120,11 +125,60 @@ private:
     }
 
     const std::stop_token& stop_;
-    std::unique_ptr<cairo_surface_t, Release> surface_;
-    std::unique_ptr<cairo_t, Release> context_;
+    Surface surface_;
+    Context context_;
 };
 
+constexpr double kPoints = 72 / 25.4;  ///< per millimetre
+
+Surface pdf_surface(Point size, Body& body) {
+    Surface surface(cairo_pdf_surface_create_for_stream(hand_to, &body, kPoints * size.x, kPoints * size.y));
+    // With a fixed date, the same drawing has the same bytes at any time.
+    cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z");
+    return surface;
+}
+
+/// PDF document of one page that is being written. Coordinates are millimetres.
+class PdfPage : public CairoPage {
+public:
+    PdfPage(Point size, Body& body, const std::stop_token& stop) : CairoPage(pdf_surface(size, body), kPoints, stop) {}
+
+    void finish() {
+        cairo_surface_finish(surface());
+        CairoPage::finish();
+    }
+};
+
+/// Returns the pixels of a surface of the format RGB24.
+DotImage picture_on(cairo_surface_t* surface) {
+    DotImage picture;
+    picture.width = cairo_image_surface_get_width(surface);
+    picture.height = cairo_image_surface_get_height(surface);
+    picture.pixels.reserve(static_cast<std::size_t>(picture.height) * picture.row_size());
+    const unsigned char* row = cairo_image_surface_get_data(surface);
+    const int stride = cairo_image_surface_get_stride(surface);
+    for (int y = 0; y < picture.height; ++y, row += stride) {
+        for (int x = 0; x < picture.width; ++x) {
+            std::uint32_t pixel = 0;
+            std::memcpy(&pixel, row + std::size_t{4} * static_cast<std::size_t>(x), sizeof pixel);
+            for (const int shift : {16, 8, 0}) picture.pixels.push_back(static_cast<std::uint8_t>(pixel >> shift));
+        }
+    }
+    return picture;
+}
+
 }  // namespace
+
+Result<DotImage> picture_of_map(const PointSet& points, const Palette& palette, const Page& page,
+                                const std::stop_token& stop) {
+    CairoPage paper(Surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, page.canvas.width, page.canvas.height)), 1,
+                    stop);
+    paper.paper(palette.paper.transparent ? kWhite : palette.paper,
+                {{0, 0}, {static_cast<double>(page.canvas.width), static_cast<double>(page.canvas.height)}});
+    draw_map_on(paper, points, page, page.canvas.scale, stop);
+    paper.finish();
+    return picture_on(paper.surface());
+}
 
 void write_pdf(const PointSet& points, const Palette& palette, const Page& page, const DrawingOptions& drawing,
                Body& body, const std::stop_token& path_stop, const std::stop_token& stop) {

@@ -9,9 +9,9 @@
 #include "api/image/tiff_writer.h"
 #include "api/image/webp_writer.h"
 #include "api/input/file_formats.h"
+#include "api/output/cairo_drawing.h"
 #include "api/output/dot_tiles.h"
 #include "api/output/eps_drawing.h"
-#include "api/output/pdf_drawing.h"
 #include "api/output/plotter_files.h"
 #include "api/output/point_table.h"
 

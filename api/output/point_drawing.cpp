@@ -14,6 +14,8 @@
 #include "api/output/pen_labels.h"
 #include "api/output/plot.h"
 #include "api/output/ring_curves.h"
+#include "api/output/svg_map.h"
+#include "api/output/svg_page.h"
 #include "api/text/numbers.h"
 #include "core/base/elementary.h"
 #include "core/points/tour/short_path.h"
@@ -23,8 +25,6 @@ namespace {
 
 constexpr std::size_t kChunk = 10'000;  // dots between two checks of the stop token; libxml2 reads paths of up to 10 MB
 constexpr std::size_t kTypicalDotBytes = 64;  // typical number of bytes of a dot
-constexpr int kDigits = 6;                    // significant digits of a coordinate at the longer side of a page
-constexpr int kMaxDecimals = 300;
 
 /// Attributes of a drawing with layers. With the style `isolation:isolate`, layers are mixed only with each other, not
 /// with the document around the drawing.
@@ -62,50 +62,15 @@ private:
     const PageMapping& mapping_;
 };
 
-/// Escapes a text for use as the value of an attribute.
-std::string escaped(std::string_view text) {
-    std::string out;
-    for (const char c : text) {
-        switch (c) {
-            case '&':
-                out += "&amp;";
-                break;
-            case '<':
-                out += "&lt;";
-                break;
-            case '"':
-                out += "&quot;";
-                break;
-            default:
-                // XML 1.0 cannot represent control characters.
-                out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-        }
-    }
-    return out;
-}
-
 /// SVG document of dots that is being written.
 class DotDocument {
 public:
     /// @param page        must outlive this object
     /// @param attributes  additional attributes of the root element
     DotDocument(const Page& page, std::size_t dots, std::string_view attributes, Body& body)
-        : body_(body),
-          unit_(page.unit()),
-          width_(page.size().x),
-          height_(page.size().y),
-          page_(page),
-          decimals_(std::min(kDigits - static_cast<int>(std::floor(elementary::log10(std::max(width_, height_)))),
-                             kMaxDecimals)) {
-        decimals_ = std::max(decimals_, 0);
+        : body_(body), unit_(page.unit()), page_(page), decimals_(svg_decimals(page)) {
         body_.expect(dots * kTypicalDotBytes);
-        write(R"(<svg xmlns="http://www.w3.org/2000/svg")", attributes, R"( width=")");
-        if (page.width_mm) {
-            write(width_, R"(mm" height=")", height_, "mm");
-        } else {
-            write(std::to_string(page.canvas.width), R"(" height=")", std::to_string(page.canvas.height));
-        }
-        write(R"(" viewBox="0 0 )", width_, " ", height_, "\">\n");
+        begin_svg(page, attributes, body_);
     }
 
     /// Returns the number of user units per unit of the points.
@@ -251,8 +216,6 @@ private:
 
     Body& body_;
     double unit_;
-    double width_;
-    double height_;
     const Page& page_;
     int decimals_;
 };
@@ -401,6 +364,7 @@ void write_svg(const PointSet& points, const Palette& palette, const Page& page,
                Body& body, const std::stop_token& path_stop, const std::stop_token& stop) {
     const InkAreas* const areas = points.layers.front().areas;
     if (areas != nullptr) return draw_areas(*areas, palette, page, points.size(), body, stop);
+    if (points.figure != nullptr) return write_svg_map(points, palette, page, body, stop);
     // Programs for plotters treat each top-level group as a layer, and features are groups.
     const bool layered = points.are_grouped() || points.are_named();
     const bool has_paper = drawing.style == DotStyle::Fill;

@@ -27,6 +27,8 @@ void for_features(std::span<const std::uint32_t> features, Function&& function) 
     }
 }
 
+struct MapFigure;
+
 /// Zooms of vector tiles.
 struct DotTiles {
     static constexpr int kMaxZoom = 22;
@@ -46,6 +48,7 @@ struct PointSet {
     const CarriedProperties* properties = nullptr;  ///< properties of the features; null: points carry none
     std::optional<double> tone = {};                ///< DotSize::tone of a halftone, for descriptions of drawings
     DotTiles tiles = {};                            ///< zooms, for tiles
+    const MapFigure* figure = nullptr;              ///< the rest of a drawing as a map; null: points only
 
     bool are_grouped() const { return !feature_ids.empty(); }
 

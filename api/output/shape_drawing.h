@@ -2,18 +2,22 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include "api/output/body.h"
+#include "api/output/letters.h"
+#include "api/output/map_figure.h"
 #include "api/output/pen_labels.h"
 #include "api/output/plot.h"
 #include "api/output/point_set.h"
 #include "api/output/ring_curves.h"
 
 // Drawings of shapes in page description languages. The template parameter Paper is a page that is being written, such
-// as PdfPage in pdf_drawing.cpp. Coordinates are millimetres from the upper left corner.
+// as PdfPage in cairo_drawing.cpp. Coordinates are millimetres from the upper left corner.
 
 namespace ccdt::api {
 
@@ -108,12 +112,86 @@ void write_plot(const Plot& plot, const Palette& palette, bool mixes, Body& body
     page.finish();
 }
 
+/// The medium of draw_map() for a page.
+template <class Paper>
+class ShapeMap {
+public:
+    /// @param points  must outlive this object
+    ShapeMap(const PointSet& points, Paper& page) : points_(points), page_(page) {}
+
+    bool should_continue() const { return page_.should_continue(); }
+
+    void begin_lines(const Colour& colour, double width) {
+        line_colour_ = colour;
+        line_width_ = width;
+    }
+    void begin_line(Point at) {
+        if (++lines_ % kChunk == 0) end_lines();
+        page_.move_to(at);
+    }
+    void line_to(Point at) { page_.line_to(at); }
+    void end_lines() { page_.stroke(line_colour_, line_width_); }
+
+    void begin_group(std::uint32_t) {}
+    void end_group() {}
+
+    void dot(Point at, double radius, std::size_t layer, std::optional<std::uint32_t>) {
+        if (layer != layer_ || shapes_ == kChunk) fill();
+        layer_ = layer;
+        page_.disc(at, radius);
+        ++shapes_;
+    }
+    void begin_legend() { fill(); }
+    void end_legend() {}
+    void swatch(Point at, double radius, const Colour& colour) {
+        page_.disc(at, radius);
+        page_.fill(colour);
+    }
+    void text(Point at, double size, const std::string& words) {
+        for (const Ring& ring : letters(words, size)) {
+            page_.move_to(at + ring.front());
+            for (std::size_t i = 1; i < ring.size(); ++i) page_.line_to(at + ring[i]);
+            page_.close();
+        }
+        page_.fill(kBlack);
+    }
+
+    /// Draws the dots that are not drawn yet.
+    void fill() {
+        if (shapes_ > 0) page_.fill(points_.layers[layer_].ink.colour);
+        shapes_ = 0;
+    }
+
+private:
+    const PointSet& points_;
+    Paper& page_;
+    Colour line_colour_{};
+    double line_width_ = 0;
+    std::size_t lines_ = 0;
+    std::size_t layer_ = 0;
+    std::size_t shapes_ = 0;  ///< number of dots of the layer `layer_` that are not drawn yet
+};
+
+/// Draws a map on a page. `unit` and `stop` are those of draw_map().
+template <class Paper>
+void draw_map_on(Paper& page, const PointSet& points, const Page& sheet, double unit, const std::stop_token& stop) {
+    ShapeMap<Paper> map(points, page);
+    draw_map(points, sheet, unit, map, stop);
+    map.fill();
+}
+
 /// Writes dots as shapes. The parameters are those of write_pdf().
 template <class Paper>
 void write_shapes(const PointSet& points, const Palette& palette, const Page& page, const DrawingOptions& drawing,
                   Body& body, const std::stop_token& path_stop, const std::stop_token& stop) {
     const InkAreas* const areas = points.layers.front().areas;
     if (areas != nullptr) return write_areas<Paper>(*areas, palette, page, body, stop);
+    if (points.figure != nullptr) {
+        Paper paper(page.size(), body, stop);
+        if (!palette.paper.transparent) paper.paper(palette.paper, page.drawing());
+        draw_map_on(paper, points, page, page.unit(), stop);
+        return paper.finish();
+    }
     const Plot plot = plot_of(points, page, drawing, path_stop, stop);
     write_plot<Paper>(plot, palette, points.are_named(), body, stop);
 }

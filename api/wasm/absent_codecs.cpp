@@ -5,8 +5,9 @@
 #include "api/image/png_writer.h"
 #include "api/image/tiff_writer.h"
 #include "api/image/webp_writer.h"
+#include "api/output/cairo_drawing.h"
 #include "api/output/dot_tiles.h"
-#include "api/output/pdf_drawing.h"
+#include "api/output/letters.h"
 #include "api/output/svg_renderer.h"
 
 namespace ccdt::api {
@@ -53,6 +54,19 @@ Result<std::string> write_webp(const DotImage& /*image*/, std::optional<double> 
 
 Result<std::string> render_svg(std::string_view /*svg*/, double /*scale*/) {
     return not_here("PNG of drawings");
+}
+
+bool can_letter() {
+    return false;
+}
+
+std::vector<Ring> letters(std::string_view /*text*/, double /*size*/) {
+    return {};
+}
+
+Result<DotImage> picture_of_map(const PointSet& /*points*/, const Palette& /*palette*/, const Page& /*page*/,
+                                const std::stop_token& /*stop*/) {
+    return not_here("PNG");
 }
 
 /// Leaves the body empty. The module reports an empty body as an error.

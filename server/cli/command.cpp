@@ -170,8 +170,8 @@ constexpr auto kGroups = std::to_array<GroupRow>({
     {"Placement", " method quality iterations passes tolerance crease order mesh seed "},
     {"Analysis", " max-frequency spectrum modes "},
     {"Format and size",
-     " format multipoint width height scale fit gravity antialias width-mm dpi jpeg-quality split minzoom "
-     "maxzoom dots-per-tile "},
+     " format multipoint width height scale fit gravity antialias width-mm dpi jpeg-quality split outlines "
+     "legend minzoom maxzoom dots-per-tile "},
     {"Plotters", " paper margin marks style closed pen speed dwell machine dwell-unit pen-down pen-up "},
     {"Devices", " device rotate spot bit-order invert-bits "},
     {"Pixels of a raster", " include calibration "},

@@ -149,6 +149,13 @@ def samples(formats, methods):
     for quality in QUALITIES:
         yield f"map {quality}", {"quality": quality, **people}
     yield "map classes", {"geometry": LANDS, "classes": ["people", "cattle"], "per": 2, "order": "progressive"}
+    herds = {"geometry": LANDS, "classes": ["people", "cattle"], "coordinates": "lonlat"}
+    yield "drawing of map svg", {"format": "svg", "order": "progressive", **herds}
+    yield "drawing of map plane", {"format": "svg", "outlines": True, "legend": True, **herds, "coordinates": "plane"}
+    # The letters of a legend depend on the font of the machine.
+    yield "drawing of map png", {"format": "png", "width": 300, "legend": False, **herds}
+    yield "drawing of map eps", {"format": "eps", "width_mm": 90, "legend": False, **herds}
+    yield "drawing lonlat", {"format": "svg", **italy, "coordinates": "lonlat"}
     yield "map lonlat", {"coordinates": "lonlat", "fixed": FIXED[:2], "buffer": 2000, **people}
     for place, domain in domains.items():
         yield f"{place} fixed", {"sites": 300, "fixed": FIXED, **domain}

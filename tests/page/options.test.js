@@ -22,12 +22,12 @@ async function open(address) {
 
 /**
  * Options without a field of the same name. They are older names, shapes, downloads, controls beside the picture, the
- * properties that a map counts, and the pen, which has two fields.
+ * properties that a map counts, what is drawn around a map, and the pen, which has two fields.
  */
 const elsewhere = {
   halftone: ["format", "invert", "pen"],
   devices: [],
-  sample: ["polygon", "holes", "geometry", "classes", "object", "iterations", "mesh", "pen"],
+  sample: ["polygon", "holes", "geometry", "classes", "object", "iterations", "legend", "mesh", "outlines", "pen"],
   surfaces: ["iterations", "mesh"],
 };
 

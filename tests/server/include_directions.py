@@ -47,7 +47,7 @@ RULES = (
     (re.compile(r"^nlohmann/"), ("api/capabilities.cpp", "api/json/", "api/problem.cpp")),
     (re.compile(r"^pybind11/"), ("api/python/",)),
     (re.compile(r"^librsvg/"), ("api/output/svg_renderer.cpp",)),
-    (re.compile(r"^cairo"), ("api/output/pdf_drawing.cpp",)),
+    (re.compile(r"^cairo"), ("api/output/cairo_drawing.cpp", "api/output/letters.cpp")),
     (re.compile(r"^curl/"), ("server/fetch/fetcher_main.cpp", "server/http/http_client.cpp")),
     (re.compile(r"^sqlite3\.h$"), ("server/jobs/sqlite.",)),
     (re.compile(r"^hiredis/"), ("server/redis/redis_connection.cpp",)),

@@ -106,6 +106,8 @@ class SampleOptions(PlotOptions, total=False):
     order: str
     width: int
     dot: float
+    outlines: bool
+    legend: bool
     minzoom: int
     maxzoom: int
     dots_per_tile: int

@@ -13,21 +13,14 @@
 #include "api/decode/timed_decode.h"
 #include "api/input/degrees.h"
 #include "api/output/json_writer.h"
+#include "api/output/letters.h"
 #include "api/run/stopwatch.h"
 #include "api/sample/plane/placement.h"
 #include "api/sample/plane/sample_area.h"
 #include "api/sample/plane/sample_writer.h"
-#include "core/ccdt/globe/turns.h"
 
 namespace ccdt::api {
 namespace {
-
-/// Shifts the longitudes of points, which are from -180 to 180 degrees, by multiples of 360 degrees, so that the points
-/// lie in the box that is drawn.
-void shift_into(const Box& box, std::vector<Point>& points) {
-    if (box.min.x >= -kTurn / 2 && box.max.x <= kTurn / 2) return;
-    for (Point& p : points) p.x += longitude_wrap_offset(p.x, box.min.x);
-}
 
 /// Adds a warning if coordinates look like degrees but are used as coordinates in a plane. make_area() warns if the
 /// reference system is known.
@@ -84,7 +77,8 @@ Result<PlacedSample> place_sample(const SampleRequest& request, const Limits& li
     const Decode timed_decode = timed(decode, timings.decode);
     auto area = make_area(request, limits, timed_decode, control.stop);
     if (!area) return tl::unexpected(area.error());
-    const auto page = plan_page(request, *request.output.format, area->whole, limits);
+    const PointFormat& format = *request.output.format;
+    const auto page = plan_page(request, format, plan_drawing(request, format, *area), limits);
     if (!page) return tl::unexpected(page.error());
     const auto density = make_density(request.density, YAxis::Up, limits, timed_decode, control);
     timings.prepare = watch.lap() - timings.decode;
@@ -107,19 +101,22 @@ Result<Answer> write_answer(const SampleRequest& request, const PlacedSample& sa
             return tl::unexpected(can.error());
     }
     if (auto can = check_tiles(request, sample, format); !can) return tl::unexpected(can.error());
-    const auto page = plan_page(request, format, area.whole, limits);
+    const SampleDrawing drawn = plan_drawing(request, format, area);
+    if (drawn.figure && !drawn.figure->legend.empty() && format.file.name != kSvg.name && !can_letter())
+        return failure(ErrorCode::NotAcceptable, "WebAssembly draws legends only as svg", request.field_of("legend"));
+    const auto page = plan_page(request, format, drawn, limits);
     if (!page) return tl::unexpected(page.error());
-    std::vector<ClassDots> shifted;
-    if (format.is_drawn() && placed.pitch) {
-        shifted = placed.classes;
-        for (ClassDots& each : shifted) shift_into(page->box, each.dots.points);
+    std::vector<ClassDots> projected;
+    if (drawn.projection) {
+        projected = placed.classes;
+        for (ClassDots& each : projected) each.dots.points = drawn.place(std::move(each.dots.points));
     }
     const Report report{request.run.seed, elapsed,     {}, request.method->name, area.repairs, {},
                         area.warnings,    placed.pitch};
     Answer answer = head_of(format, area, placed);
     answer.media_type = format.media_type(request.output.drawing);
     Body body(answer, sink, control.stop);
-    auto written = write_sample(request, format, area.whole, *page, shifted.empty() ? placed.classes : shifted, report,
+    auto written = write_sample(request, format, drawn, *page, projected.empty() ? placed.classes : projected, report,
                                 control, body);
     timings.encode = watch.lap();
     if (!written) return tl::unexpected(written.error());

@@ -181,7 +181,9 @@ Estimate writing_cost(const SampleRequest& request, const Limits& limits) {
     const double scale =
         request.output.width ? *request.output.width / box.width() : std::sqrt(pixels / box.width() / box.height());
     const auto radius = request.output.dot ? std::optional(*request.output.dot * scale) : std::nullopt;
-    return drawing_cost(format, raster_cost(sites, pixels, radius, true), sites, pixels);
+    constexpr Estimate kMapPixel{4, 0.01 * kMicrosecond}, kMapDot{0, 3 * kMicrosecond};
+    const Estimate map = request.counts ? kMapPixel * pixels + kMapDot * sites : Estimate{};
+    return drawing_cost(format, raster_cost(sites, pixels, radius, true) + map, sites, pixels);
 }
 
 std::size_t bytes_of(const PolygonInput& polygon) {

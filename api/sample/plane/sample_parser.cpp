@@ -15,6 +15,7 @@
 #include "api/input/run_options.h"
 #include "api/input/topology_reader.h"
 #include "api/output/formats.h"
+#include "api/sample/plane/map_drawing.h"
 #include "core/ccdt/maps/middle.h"
 #include "core/ccdt/polish/stealth.h"
 
@@ -200,6 +201,10 @@ constexpr auto kOutputRules = std::to_array<OptionRule<Draft>>({
                  Draft& d) { return assign(d.request.output.width, read_integer(i, 1, kMaxWidth)); }},
     {"dot",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.output.dot, read_number(i, kPositive)); }},
+    {"outlines",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.output.outlines, read_boolean(i)); }},
+    {"legend",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.output.legend, read_boolean(i)); }},
     {"format", [](const Input& i, const Limits&, Draft& d) { return read_any_format(i, d); }},
     {"minzoom", [](const Input& i, const Limits&, Draft& d) { return assign(d.min_zoom, read_zoom(i)); }},
     {"maxzoom",
@@ -387,6 +392,22 @@ Result<void> settle_tiles(Draft& draft) {
     return {};
 }
 
+/// Checks that outlines and a legend can be drawn, if the request asks for them.
+Result<void> check_figure(const SampleRequest& request) {
+    const SampleOutput& output = request.output;
+    const auto refused = [&](const char* option, const char* message) {
+        return failure(ErrorCode::Malformed, std::string(option) + message, request.field_of(option));
+    };
+    constexpr const char* kDrawn =
+        " is an option of drawings in one file: svg, pdf, eps, png and jpeg, with style=fill";
+    const bool can_draw = can_draw_maps(*output.format, output.drawing);
+    if (output.outlines && !can_draw) return refused("outlines", kDrawn);
+    if (output.legend && !can_draw) return refused("legend", kDrawn);
+    if (output.legend == true && !request.counts)
+        return refused("legend", " needs a dot map: classes, or the name of a property in sites");
+    return {};
+}
+
 /// Checks the areas that are subtracted from the domain.
 Result<void> check_exclusions(const Draft& draft) {
     const SampleRequest& request = draft.request;
@@ -495,7 +516,10 @@ Result<SampleRequest> parse_sample(JsonValue root, const std::vector<TextOption>
     if (domain && draft.request.threshold_mask) errors.add(settle_mask(draft.depth, draft.request));
     const auto format = settle_format(accept, draft);
     errors.add(format);
-    if (format && !draft.request.threshold_mask) errors.add(settle_tiles(draft));
+    if (format && !draft.request.threshold_mask) {
+        errors.add(settle_tiles(draft));
+        errors.add(check_figure(draft.request));
+    }
     const SampleOutput& output = draft.request.output;
     errors.add(draft.request.about_option(check_effects(output.drawing, output.dot.has_value())));
     if (output.format != nullptr && !draft.request.threshold_mask) {

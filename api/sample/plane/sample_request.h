@@ -58,6 +58,8 @@ struct SampleOutput {
     std::optional<int> width;         ///< width of a drawing in pixels; none: follows from the number of sites
     std::optional<double> dot;        ///< radius in units of the domain, > 0; none: a quarter of the pitch
     std::optional<PointOrder> order;  ///< none: along a path in drawings of shapes, otherwise the order of placement
+    std::optional<bool> outlines;     ///< whether drawings show the borders of features; none: see map_style()
+    std::optional<bool> legend;       ///< whether drawings of dot maps have a legend; none: see map_style()
     DotTiles tiles;
     bool multipoint = true;  ///< whether GeoJSON groups points into MultiPoints
 

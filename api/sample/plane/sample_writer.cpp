@@ -2,7 +2,6 @@
 #include "api/sample/plane/sample_writer.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <string>
@@ -11,43 +10,24 @@
 #include <vector>
 
 #include "api/image/overlay.h"
+#include "api/output/cairo_drawing.h"
 #include "api/output/formats.h"
 #include "api/output/point_drawing.h"
 #include "api/output/point_set.h"
 #include "api/output/split.h"
 #include "api/run/deadline.h"
-#include "core/halftone/inks/overprint.h"
 #include "core/picture/tone.h"
 
 namespace ccdt::api {
 namespace {
 
-/// Colours of classes. People with any kind of colour vision can distinguish them. The first colours have the most
-/// contrast with white. Source: Okabe and Ito.
-constexpr std::array<Colour, kMaxInks> kColours = {
-    {{0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {204, 121, 167}, {230, 159, 0}, {86, 180, 233}}};
-
-/// Returns the inks of the classes, or a single black ink without a name if answers do not name classes.
-Palette palette_of(const SampleRequest& request) {
-    if (!request.counts || !request.counts->are_named) return {};
-    const FeatureCounts& counts = *request.counts;
-    Palette palette{{}, kWhite, Mixing::Multiply};
-    for (std::size_t i = 0; i < counts.classes.size(); ++i) palette.inks.push_back({counts.classes[i], kColours[i]});
-    return palette;
-}
-
-/// Returns the distance that neighbouring sites would have in a square grid, in units of the domain.
-double pitch_of(const Domain& domain, std::size_t sites) {
-    return std::sqrt(domain.area() / static_cast<double>(sites));
-}
-
-/// Returns the radius of the dots, in units of the domain. The radius is at most twice the longer side of the bounding
-/// box; a dot of that size covers the box wherever its centre lies in the box.
-double radius_of(const SampleRequest& request, const Domain& domain, const Page& page) {
-    const double largest = 2 * std::max(domain.bounds().width(), domain.bounds().height());
+/// Returns the radius of the dots, in the units of the drawing. The radius is at most twice the longer side of the
+/// drawing; a dot of that size covers the drawing wherever its centre lies.
+double radius_of(const SampleRequest& request, const SampleDrawing& drawn, const Page& page) {
+    const double largest = 2 * std::max(drawn.box.width(), drawn.box.height());
     const DrawingOptions& drawing = request.output.drawing;
     if (drawing.is_dot() && page.width_mm) return std::min(drawing.pen_mm / 2 / page.unit(), largest);
-    return std::min(request.output.dot.value_or(pitch_of(domain, request.run.sites) / 4), largest);
+    return std::min(request.output.dot.value_or(drawn.pitch / (drawn.figure ? 3 : 4)), largest);
 }
 
 /// Writes points in the format of a request. Has an operator for each kind of writer that a format can have.
@@ -76,14 +56,20 @@ public:
     }
 
     Result<void> operator()(const RasterWriter& writer) const {
-        std::vector<Raster> rasters;
-        for (const InkDots& layer : points_.layers)
-            rasters.push_back(draw_points(layer.dots.points, page_, layer.radius, stop_));
-        auto picture = writer.write(overlay(std::move(rasters), palette_, true, stop_), request_.output.drawing, stop_);
+        auto picture =
+            draw().and_then([&](const DotImage& image) { return writer.write(image, request_.output.drawing, stop_); });
         return std::move(picture).map([&](std::string&& bytes) { body_.text() = std::move(bytes); });
     }
 
 private:
+    Result<DotImage> draw() const {
+        if (points_.figure != nullptr) return picture_of_map(points_, palette_, page_, stop_);
+        std::vector<Raster> rasters;
+        for (const InkDots& layer : points_.layers)
+            rasters.push_back(draw_points(layer.dots.points, page_, layer.radius, stop_));
+        return overlay(std::move(rasters), palette_, true, stop_);
+    }
+
     const SampleRequest& request_;
     const PointFormat& format_;
     const Page& page_;
@@ -97,15 +83,17 @@ private:
 
 }  // namespace
 
-Result<Page> plan_page(const SampleRequest& request, const PointFormat& format, const Domain& whole,
+Result<Page> plan_page(const SampleRequest& request, const PointFormat& format, const SampleDrawing& drawn,
                        const Limits& limits) {
-    const auto& [requested, drawing, width, dot, order, tiles, multipoint] = request.output;
-    Page page{whole.bounds(), true, whole.is_torus()};
-    page.along_path = order.value_or(PointOrder::Path) == PointOrder::Path;
+    const DrawingOptions& drawing = request.output.drawing;
+    const std::optional<int>& width = request.output.width;
+    const auto* rectangle = std::get_if<Rectangle>(&request.region.domain);
+    Page page{drawn.box, true, rectangle != nullptr && rectangle->periodic};
+    page.along_path = request.output.order.value_or(PointOrder::Path) == PointOrder::Path;
     if (auto placed = request.about_option(place_on_paper(drawing, page)); !placed)
         return tl::unexpected(placed.error());
     if (const VectorWriter* const shapes = format.vector()) {
-        const double radius = radius_of(request, whole, page);
+        const double radius = radius_of(request, drawn, page);
         auto checked = shapes->check(drawing, radius, page, request.field_of("pen"), request.field_of("width_mm"));
         if (!checked) return tl::unexpected(checked.error());
     }
@@ -113,8 +101,7 @@ Result<Page> plan_page(const SampleRequest& request, const PointFormat& format, 
     const double longer = std::max(box.width(), box.height());
     const RasterWriter* const pixels = format.raster();
     const double max_side = pixels == nullptr ? kMaxDrawingSide : std::min<double>(kMaxDrawingSide, pixels->max_side);
-    const double wished =
-        std::clamp(kPixelPitch / pitch_of(whole, request.run.sites), kMinDrawingSide / longer, max_side / longer);
+    const double wished = std::clamp(kPixelPitch / drawn.pitch, kMinDrawingSide / longer, max_side / longer);
     const std::size_t most = std::min(limits.max_pixels, static_cast<std::size_t>(kMaxCanvasPixels));
     page.canvas = canvas_of(box, width ? *width / box.width() : fitting_scale(box, wished, most));
     const std::string field = request.field_of("width");
@@ -127,15 +114,16 @@ Result<Page> plan_page(const SampleRequest& request, const PointFormat& format, 
                    field);
 }
 
-Result<void> write_sample(const SampleRequest& request, const PointFormat& format, const Domain& whole,
+Result<void> write_sample(const SampleRequest& request, const PointFormat& format, const SampleDrawing& drawn,
                           const Page& page, std::span<const ClassDots> dots, const Report& report,
                           const Control& control, Body& body) {
     const Palette palette = palette_of(request);
     std::vector<InkDots> layers;
     for (std::size_t i = 0; i < dots.size(); ++i)
-        layers.push_back({palette.inks[i], dots[i].dots, radius_of(request, whole, page), nullptr, dots[i].feature_of});
+        layers.push_back({palette.inks[i], dots[i].dots, radius_of(request, drawn, page), nullptr, dots[i].feature_of});
     PointSet points{layers};
     points.tiles = request.output.tiles;
+    if (drawn.figure) points.figure = &*drawn.figure;
     if (request.features) {
         points.feature_ids = request.features->ids;
         if (!request.features->carried.of_feature.empty()) points.properties = &request.features->carried;
