@@ -15,13 +15,11 @@
 #include <utility>
 #include <vector>
 
-#include <zlib.h>
 #include <protozero/pbf_builder.hpp>
-#include <protozero/varint.hpp>
 
 #include "api/json/json_document.h"
 #include "api/output/json_pieces.h"
-#include "api/output/records.h"
+#include "api/output/pmtiles.h"
 #include "api/text/text.h"
 #include "core/base/elementary.h"
 
@@ -79,23 +77,10 @@ std::uint32_t column_at(double share, int zoom) {
     return static_cast<std::uint32_t>(std::ldexp(share, zoom));
 }
 
-/// Returns the tile at a zoom that contains a dot. Tiles of a zoom are numbered along Hilbert's curve.
+/// Returns the tile at a zoom that contains a dot.
 Tile tile_of(const TileDot& dot, int zoom) {
-    Tile tile{0, column_at(dot.x, zoom), column_at(dot.y, zoom)};
-    std::uint32_t x = tile.column, y = tile.row;
-    for (int z = 0; z < zoom; ++z) tile.id += std::uint64_t{1} << (2 * z);  // tiles of the zooms before
-    for (std::uint32_t side = (1U << zoom) / 2; side > 0; side /= 2) {
-        const std::uint32_t right = (x & side) > 0, low = (y & side) > 0;
-        tile.id += std::uint64_t{side} * side * ((3 * right) ^ low);
-        if (low == 0) {
-            if (right == 1) {
-                x = side - 1 - (x & (side - 1));
-                y = side - 1 - (y & (side - 1));
-            }
-            std::swap(x, y);
-        }
-    }
-    return tile;
+    const std::uint32_t column = column_at(dot.x, zoom), row = column_at(dot.y, zoom);
+    return {tile_number(zoom, column, row), column, row};
 }
 
 /// Returns the last zoom if none is given: the first one at which no tile has more dots than the limit.
@@ -110,22 +95,6 @@ int find_last_zoom(std::span<const TileDot> dots, const DotTiles& wanted) {
             is_full = ids[i] == ids[i - wanted.dots_per_tile];
         if (!is_full) return zoom;
     }
-}
-
-/// Compresses by gzip, without a name or a time.
-std::string gzipped(std::string_view text) {
-    constexpr int kGzip = 16 + MAX_WBITS, kMemory = 8;
-    z_stream stream{};
-    deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, kGzip, kMemory, Z_DEFAULT_STRATEGY);
-    std::string out(deflateBound(&stream, static_cast<uLong>(text.size())), '\0');
-    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
-    stream.avail_in = static_cast<uInt>(text.size());
-    stream.next_out = reinterpret_cast<Bytef*>(out.data());
-    stream.avail_out = static_cast<uInt>(out.size());
-    deflate(&stream, Z_FINISH);
-    out.resize(stream.total_out);
-    deflateEnd(&stream);
-    return out;
 }
 
 // Fields of messages, by the specification of vector tiles.
@@ -228,45 +197,23 @@ private:
     std::map<std::string, std::uint32_t> numbers_;  ///< numbers of the values
 };
 
-/// A tile, or a directory of tiles, in the archive.
-struct Entry {
-    std::uint64_t id, offset, length, run;
-};
-
-/// Returns a directory, compressed.
-std::string directory(std::span<const Entry> entries) {
-    std::string bytes;
-    const auto add = [&](std::uint64_t number) { protozero::add_varint_to_buffer(&bytes, number); };
-    add(entries.size());
-    std::uint64_t last = 0;
-    for (const Entry& entry : entries) add(entry.id - std::exchange(last, entry.id));
-    for (const Entry& entry : entries) add(entry.run);
-    for (const Entry& entry : entries) add(entry.length);
-    std::uint64_t end = 0;
-    for (const Entry& entry : entries) {
-        add(&entry != entries.data() && entry.offset == end ? 0 : entry.offset + 1);
-        end = entry.offset + entry.length;
-    }
-    return gzipped(bytes);
-}
-
 /// The root directory, and the directories to which it refers if the tiles are many.
 struct Directories {
     std::string root, leaves;
 };
 
-Directories directories_of(std::span<const Entry> entries) {
+Directories directories_of(std::span<const TileEntry> entries) {
     constexpr std::size_t kMaxRoot = 16'384 - 127;
-    Directories made{directory(entries), {}};
+    Directories made{write_directory(entries), {}};
     for (std::size_t size = 4'096; made.root.size() > kMaxRoot; size *= 2) {
         made.leaves.clear();
-        std::vector<Entry> roots;
+        std::vector<TileEntry> roots;
         for (std::size_t first = 0; first < entries.size(); first += size) {
-            const std::string leaf = directory(entries.subspan(first, std::min(size, entries.size() - first)));
+            const std::string leaf = write_directory(entries.subspan(first, std::min(size, entries.size() - first)));
             roots.push_back({entries[first].id, made.leaves.size(), leaf.size(), 0});
             made.leaves += leaf;
         }
-        made.root = directory(roots);
+        made.root = write_directory(roots);
     }
     return made;
 }
@@ -283,20 +230,17 @@ std::string metadata_of(const TileWriter& writer, const PointSet& points, int mi
     return json += "}}]}";
 }
 
-struct Degrees {
-    Point min{180, 90}, max{-180, -90};
-};
-
-Degrees bounds_of(const PointSet& points) {
-    Degrees bounds;
+/// Sets the bounds of an archive.
+void set_bounds(const PointSet& points, TileArchive& archive) {
+    archive.min = {180, 90};
+    archive.max = {-180, -90};
     for (const InkDots& layer : points.layers) {
         for (Point p : layer.dots.points) {
             p.x -= 360 * std::floor((p.x + 180) / 360);
-            bounds.min = {std::min(bounds.min.x, p.x), std::min(bounds.min.y, p.y)};
-            bounds.max = {std::max(bounds.max.x, p.x), std::max(bounds.max.y, p.y)};
+            archive.min = {std::min(archive.min.x, p.x), std::min(archive.min.y, p.y)};
+            archive.max = {std::max(archive.max.x, p.x), std::max(archive.max.y, p.y)};
         }
     }
-    return bounds;
 }
 
 /// Returns the numbers of dots of the layers that a zoom shows.
@@ -316,7 +260,7 @@ void write_dot_tiles(const PointSet& points, Body& body, const std::stop_token& 
     const int min_zoom = points.tiles.min_zoom;
     const int max_zoom = points.tiles.max_zoom ? *points.tiles.max_zoom : find_last_zoom(dots, points.tiles);
     TileWriter writer(points);
-    std::vector<Entry> entries;
+    std::vector<TileEntry> entries;
     std::string tiles;
     std::vector<std::pair<Tile, TileDot>> shown;
     for (int zoom = min_zoom; zoom <= max_zoom && !stop.stop_requested(); ++zoom) {
@@ -339,26 +283,21 @@ void write_dot_tiles(const PointSet& points, Body& body, const std::stop_token& 
     }
     const auto [root, leaves] = directories_of(entries);
     const std::string metadata = gzipped(metadata_of(writer, points, min_zoom, max_zoom));
-    std::string& out = body.text();
-    out += "PMTiles\3";
-    constexpr std::uint64_t kHeader = 127;
-    std::uint64_t offset = kHeader;
-    for (const std::size_t length : {root.size(), metadata.size(), leaves.size(), tiles.size()}) {
-        append_binary(out, std::exchange(offset, offset + length));
-        append_binary(out, std::uint64_t{length});
-    }
-    for (int i = 0; i < 3; ++i) append_binary(out, std::uint64_t{entries.size()});  // tiles, entries, contents
-    constexpr char kGzip = 2, kVectorTiles = 1;
-    out += {1, kGzip, kGzip, kVectorTiles, static_cast<char>(min_zoom), static_cast<char>(max_zoom)};
-    const Degrees bounds = bounds_of(points);
-    const auto append_degrees = [&](Point p) {
-        for (const double degrees : {p.x, p.y})
-            append_binary(out, static_cast<std::int32_t>(std::llround(degrees * 1e7)));
+    TileArchive archive;
+    archive.entries = entries.size();
+    archive.min_zoom = min_zoom;
+    archive.max_zoom = max_zoom;
+    set_bounds(points, archive);
+    std::uint64_t offset = TileArchive::kHeader;
+    const auto place = [&](TileArchive::Section& section, std::size_t length) {
+        section = {std::exchange(offset, offset + length), length};
     };
-    append_degrees(bounds.min);
-    append_degrees(bounds.max);
-    out += static_cast<char>(min_zoom);
-    append_degrees(0.5 * (bounds.min + bounds.max));
+    place(archive.root, root.size());
+    place(archive.metadata, metadata.size());
+    place(archive.leaves, leaves.size());
+    place(archive.tiles, tiles.size());
+    std::string& out = body.text();
+    out += write_header(archive);
     out.append(root).append(metadata).append(leaves);
     for (std::size_t at = 0; at < tiles.size() && body.flush() && !stop.stop_requested(); at += Body::kPiece)
         out.append(tiles, at, Body::kPiece);
