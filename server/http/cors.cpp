@@ -33,11 +33,11 @@ bool allows_origin(const std::vector<std::string>& allowed, std::string_view ori
 
 std::vector<Header> cors_headers(const std::vector<std::string>& allowed, std::string_view origin) {
     if (allowed.empty()) return {};
-    const Header exposed{
-        "Access-Control-Expose-Headers",
-        "ETag, Location, Preference-Applied, Retry-After, Server-Timing, X-Partial, X-Plot-Seconds, X-Radius, "
-        "X-Repaired, X-Request-ID, X-Warnings, "
-        "X-Tone"};
+    const Header exposed{"Access-Control-Expose-Headers",
+                         "Content-Range, ETag, Location, Preference-Applied, Retry-After, Server-Timing, X-Partial, "
+                         "X-Plot-Seconds, X-Radius, "
+                         "X-Repaired, X-Request-ID, X-Warnings, "
+                         "X-Tone"};
     if (std::ranges::find(allowed, kAny) != allowed.end()) return {{"Access-Control-Allow-Origin", "*"}, exposed};
     // Prevents caches from giving the answer for one origin to another. Refusals need the header, too.
     std::vector<Header> headers{{"Vary", "Origin"}};
@@ -48,10 +48,11 @@ std::vector<Header> cors_headers(const std::vector<std::string>& allowed, std::s
 }
 
 std::vector<Header> preflight_headers(std::string_view methods) {
-    return {{"Access-Control-Allow-Methods", std::string(methods)},
-            {"Access-Control-Allow-Headers",
-             "Accept, Authorization, Content-Type, If-None-Match, Last-Event-ID, Prefer, X-Request-ID"},
-            {"Access-Control-Max-Age", "86400"}};
+    return {
+        {"Access-Control-Allow-Methods", std::string(methods)},
+        {"Access-Control-Allow-Headers",
+         "Accept, Authorization, Content-Type, If-None-Match, If-Range, Last-Event-ID, Prefer, Range, X-Request-ID"},
+        {"Access-Control-Max-Age", "86400"}};
 }
 
 bool asks_for_other_origin(const Request& request) {

@@ -28,10 +28,14 @@ constexpr std::array<std::string_view, 4> kAdded{"REMOTE_ADDR", "REMOTE_PORT", "
 /// Methods that the library dispatches.
 constexpr std::array<std::string_view, 7> kMethods{"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"};
 
+bool is_range(std::string_view name) {
+    return equals_ignoring_case(name, "Range");
+}
+
 /// Whether a header is hidden from the library. The library would parse Range with a regular expression, and refuse
-/// long names. The server uses none of these headers.
+/// long names, which the server does not use.
 bool is_hidden(std::string_view name) {
-    return name.size() > kLongestName || equals_ignoring_case(name, "Range");
+    return name.size() > kLongestName || is_range(name);
 }
 
 /// Appends a header. Escapes percent signs, because the library decodes them. Cuts long values into several lines.
@@ -161,7 +165,11 @@ private:
     /// body, and the path `/`, because the library matches paths with regular expressions.
     void take(httplib::Request& theirs) const {
         request_.method = theirs.method;
-        request_.headers = take_headers(theirs.headers);
+        auto headers = take_headers(theirs.headers);
+        for (Header& given : request_.headers) {
+            if (is_range(given.name) && !given.value.empty()) headers.push_back(std::move(given));
+        }
+        request_.headers = std::move(headers);
         theirs.path = "/";
         theirs.headers.clear();
         if (request_.chunked) theirs.set_header("Transfer-Encoding", "chunked");
@@ -208,6 +216,9 @@ private:
 
     void finish_headers(httplib::Response& theirs) const {
         theirs.headers.erase("Accept-Ranges");
+        for (const auto& [name, value] : response_.headers) {
+            if (name == "Accept-Ranges") theirs.set_header(name, value);
+        }
         if (theirs.status == 204 || theirs.status == 304) theirs.headers.erase("Content-Length");
         if (last_) {
             theirs.headers.erase("Keep-Alive");

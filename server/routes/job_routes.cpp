@@ -34,7 +34,13 @@ Response document(const Job& job) {
     return uncached_response("application/json", status_json(job) + '\n');
 }
 
-/// Makes the problem for a request for a result that does not exist.
+std::string event(const Job& job) {
+    const std::string_view name = is_finished(job.status) ? name_of(job.status) : "progress";
+    return "event: " + std::string(name) + "\ndata: " + status_json(job) + "\n\n";
+}
+
+}  // namespace
+
 tl::unexpected<Problem> no_result(const Job& job) {
     if (job.status == JobStatus::Cancelled) return problem(410, "the job was cancelled");
     if (job.failure) {
@@ -44,13 +50,6 @@ tl::unexpected<Problem> no_result(const Job& job) {
     }
     return problem(409, "the job is " + std::string(name_of(job.status)) + "; its result is not available yet");
 }
-
-std::string event(const Job& job) {
-    const std::string_view name = is_finished(job.status) ? name_of(job.status) : "progress";
-    return "event: " + std::string(name) + "\ndata: " + status_json(job) + "\n\n";
-}
-
-}  // namespace
 
 Response accepted_response(const Job& job) {
     Response response = document(job);
@@ -67,13 +66,17 @@ HttpResult<Response> JobRoutes::status(const std::string& id, const Connection& 
     return document(*job);
 }
 
-/// Answers with the result of a job. The job's id is the entity tag, because the result never changes.
-HttpResult<Response> JobRoutes::result(const std::string& id, std::string_view if_none_match,
-                                       const Connection& connection) {
+/// Answers with the result of a job, or with a part of it. The job's id is the entity tag, because the result never
+/// changes.
+HttpResult<Response> JobRoutes::result(const std::string& id, const Request& request, const Connection& connection) {
     const auto job = jobs_.find(id, connection.key());
     if (!job) return tl::unexpected(job.error());
     if (job->status != JobStatus::Succeeded) return no_result(*job);
-    if (const auto tag = find_tag(if_none_match, id)) return not_modified(*tag);
+    if (const auto tag = find_tag(request.header("If-None-Match"), id)) return not_modified(*tag);
+    const auto if_range = request.header("If-Range");
+    const bool is_current = if_range.empty() || if_range == '"' + id + '"';
+    if (const auto range = parse_range(request.header("Range"), job->result_bytes); range && is_current)
+        return part(*job, *range);
     const bool in_pieces = job->result_bytes > kMaxInMemory;
     auto lease = memory_.reserve(in_pieces ? 2 * JobStore::kPiece : job->result_bytes);
     if (!lease) return busy(503, "there is too little memory left to send a result of this size", kRetryAfter);
@@ -90,7 +93,50 @@ HttpResult<Response> JobRoutes::result(const std::string& id, std::string_view i
     }
     response.lease = std::make_shared<MemoryBudget::Lease>(*std::move(lease));
     response.headers = job->headers;
+    response.headers.push_back({"Accept-Ranges", "bytes"});
     if (job->partial) response.headers.push_back({"X-Partial", "deadline"});
+    return response;
+}
+
+/// Answers with a part of a result. Long parts are sent in pieces.
+HttpResult<Response> JobRoutes::part(const Job& job, const ByteRange& range) {
+    const std::string size = '/' + std::to_string(job.result_bytes);
+    if (range.length == 0) {
+        auto refused = problem(416, "the result has only " + std::to_string(job.result_bytes) + " bytes");
+        refused.value().headers.push_back({"Content-Range", "bytes *" + size});
+        return refused;
+    }
+    auto lease = memory_.reserve(2 * JobStore::kPiece);
+    if (!lease) return busy(503, "there is too little memory left to send a part of a result", kRetryAfter);
+    const auto read = [this, job, range](std::size_t sent) {
+        return results_.read(job, range.first + sent, std::min(JobStore::kPiece, range.length - sent));
+    };
+    auto first = read(0);
+    if (!first) return tl::unexpected(std::move(first.error()));
+    Response response;
+    response.status = 206;
+    response.media_type = job.media_type;
+    response.tag = '"' + job.id + '"';
+    response.headers = job.headers;
+    response.headers.push_back({"Accept-Ranges", "bytes"});
+    response.headers.push_back({"Content-Range", "bytes " + std::to_string(range.first) + '-' +
+                                                     std::to_string(range.first + range.length - 1) + size});
+    response.lease = std::make_shared<MemoryBudget::Lease>(*std::move(lease));
+    if (first->size() == range.length) {
+        response.body = *std::move(first);
+        return response;
+    }
+    response.length = range.length;
+    response.stream = [read, piece = *std::move(first), length = range.length](const Send& send, Record& record) {
+        std::size_t sent = 0;
+        for (HttpResult<std::string> next = piece; next; next = read(sent)) {
+            if (!send(*next)) return false;
+            sent += next->size();
+            if (sent == length) return true;
+        }
+        record.cause = "a piece of the result could not be read";
+        return false;
+    };
     return response;
 }
 

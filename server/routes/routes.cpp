@@ -36,6 +36,9 @@ constexpr std::size_t kMaxHostLength = 260;
 /// Maximum size of a text, in bytes, that the thread of a connection compresses. Workers compress longer texts.
 constexpr std::size_t kMaxQuicklyCompressed = 262'144;
 
+/// Bytes of pieces of results that are kept for clients that read many small parts.
+constexpr std::size_t kKeptResults = std::size_t{32} << 20;
+
 /// Methods that at least one path accepts, for `OPTIONS *`.
 constexpr std::string_view kAllMethods = "GET, HEAD, POST, DELETE, OPTIONS";
 
@@ -172,7 +175,8 @@ Routes::Routes(const Config& config, Parts parts)
                  parts.jobs, parts.answers),
       pictures_(folder_of(config.pictures, "picture")),
       documents_(folder_of(config.docs, "document")),
-      job_routes_(parts.jobs, parts.pool.memory(), config.jobs.ping),
+      results_(parts.jobs, kKeptResults),
+      job_routes_(parts.jobs, results_, parts.pool.memory(), config.jobs.ping),
       id_prefix_(hexadecimal(std::random_device()(), 8) + "-"),
       live_(std::make_shared<const LiveConfig>(config.live)) {}
 
@@ -380,8 +384,7 @@ HttpResult<Response> Routes::job_status(const Incoming& incoming) {
 }
 
 HttpResult<Response> Routes::job_result(const Incoming& incoming) {
-    return job_routes_.result(std::string(incoming.target.name), incoming.request.header("If-None-Match"),
-                              incoming.connection);
+    return job_routes_.result(std::string(incoming.target.name), incoming.request, incoming.connection);
 }
 
 HttpResult<Response> Routes::job_events(const Incoming& incoming) {
@@ -421,6 +424,7 @@ Response Routes::describe(Problem problem, Record& record) {
 
 /// Compresses a text if the client accepts gzip and no worker has compressed it.
 void Routes::negotiate_coding(const Request& request, Response& response) {
+    if (response.status == 206) return;  // a part of the text without a coding
     const bool done = !response.coding.empty();
     const bool is_not_modified = response.status == 304;  // has the same headers as the full answer
     const bool streamed =

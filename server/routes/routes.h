@@ -86,7 +86,7 @@ private:
 
     /// A row of the table of routes; no column has a default.
     struct Route {
-        std::string_view path;             ///< `{path}` matches any text, other placeholders any text without a slash
+        std::string_view path;             ///< `{path}` matches any text, other placeholders texts without slashes
         std::string_view method;           ///< GET includes HEAD
         ConnectionClass connection_class;  ///< class of the slot that the connection needs
         Access access;
@@ -140,6 +140,7 @@ private:
     ComputeRoutes computing_;
     const std::optional<FileFolder> pictures_;   ///< none: GET /halftone/{name} is disabled
     const std::optional<FileFolder> documents_;  ///< none: GET /docs/{path} is disabled
+    ResultReader results_;
     JobRoutes job_routes_;
     std::atomic<bool> draining_ = false;
     std::atomic<bool> warned_of_origins_ = false;

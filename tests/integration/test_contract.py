@@ -253,6 +253,7 @@ class Options(ContractCase):
              **{(path, option): {"format": "svg", "paper": "2010x2010"} for path in ("/halftone", "/sample") for option in ("margin", "marks")},
              **{(path, "closed"): {"format": "svg", "style": "path", "width_mm": 100} for path in ("/halftone", "/sample")},
              **{(path, "pen"): {"format": "svg", "style": "spiral", "width_mm": 1} for path in ("/halftone", "/sample")},
+             **{("/sample", option): {"domain": None, "geometry": map_of(20), "sites": "people", "format": "svg"} for option in ("outlines", "legend")},
              **{("/sample", option): TILES for option in ("minzoom", "maxzoom", "dots_per_tile")},
              ("/sample", "per"): {"domain": None, "geometry": map_of(20), "sites": "people"},
              ("/sample", "buffer"): {"domain": {"type": "rectangle", "width": 1, "height": 1}},
@@ -613,6 +614,10 @@ class Statuses(ContractCase):
             self.see("/jobs/{id}", "delete", ask(server, job, "--request", "DELETE"), 204)
             self.see("/jobs/{id}/result", "get", ask(server, job + "/result"), 410)
 
+    def see_parts(self, result):
+        for asked, status in (("bytes=0-9", 206), ("bytes=99999-", 416)):
+            self.see("/jobs/{id}/result", "get", self.ask(result, "--header", "Range: " + asked), status)
+
     def see_documents(self):
         with Server(f"--docs={SERVER / 'page' / 'site'}") as server:
             answer = ask(server, "/docs/page.css")
@@ -643,6 +648,7 @@ class Statuses(ContractCase):
         result = self.see_ended(self.server, SAMPLE, 200) + "/result"
         known = ("--header", "If-None-Match: " + self.ask(result).headers["etag"])
         self.see("/jobs/{id}/result", "get", self.ask(result, *known), 304)
+        self.see_parts(result)
         self.see_ended(self.server, CROSSING, 422)
         wide = {**BODIES["/halftone"], "image": data_uri(file_of([[0] * 1200])), "format": "webp", "scale": 16}
         self.see_ended(self.server, wide, 413, "/halftone")

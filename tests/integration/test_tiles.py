@@ -203,5 +203,49 @@ class Tiles(ServerCase):
                 self.assertIn(words, answer.json()["errors"][0]["detail"])
 
 
+class Results(ServerCase):
+    """Parts of the results of jobs."""
+
+    def job(self, **options):
+        """Returns the id and the result of a finished job."""
+        submitted = post_json(self.server, "/sample", {**REQUEST, "format": "pmtiles", **options},
+                              "--header", "Prefer: respond-async")
+        self.assertEqual(submitted.status, 202, submitted)
+        location = submitted.headers["location"]
+        self.ask(location + "/events")  # ends with the job
+        result = self.ask(location + "/result")
+        self.assertEqual(result.status, 200, result)
+        return location.removeprefix("/jobs/"), result
+
+    def test_parts_of_results(self):
+        for options in ({"maxzoom": 4}, {"minzoom": 13, "maxzoom": 14, "per": 0.4}):
+            job, result = self.job(**options)
+            size = len(result.body)
+            self.assertEqual(result.headers["accept-ranges"], "bytes")
+            for asked, first, last in (("0-126", 0, 126), ("5-", 5, size - 1), ("-9", size - 9, size - 1),
+                                       (f"{size - 3}-{size + 9}", size - 3, size - 1), (f"-{size + 1}", 0, size - 1),
+                                       (f"{size // 2}-{size // 2 + 2_000_000}", size // 2,
+                                        min(size // 2 + 2_000_000, size - 1))):
+                with self.subTest(asked):
+                    answer = self.ask(f"/jobs/{job}/result", "--header", "Range: bytes=" + asked)
+                    self.assertEqual((answer.status, answer.headers["content-range"]),
+                                     (206, f"bytes {first}-{last}/{size}"), answer)
+                    self.assertEqual(answer.body, result.body[first:last + 1])
+            for asked in (f"bytes={size}-", "bytes=-0"):
+                answer = self.ask(f"/jobs/{job}/result", "--header", "Range: " + asked)
+                self.assertEqual((answer.status, answer.headers["content-range"]), (416, f"bytes */{size}"), asked)
+            for asked in ("bytes=2-1", "bytes=0-1,3-4", "bytes=x-", "lines=0-1", "bytes=-"):
+                self.assertEqual(self.ask(f"/jobs/{job}/result", "--header", "Range: " + asked).status, 200, asked)
+            for tag, status in ((f'"{job}"', 206), ('"other"', 200)):
+                answer = self.ask(f"/jobs/{job}/result", "--header", "Range: bytes=0-1", "--header", "If-Range: " + tag)
+                self.assertEqual(answer.status, status)
+
+    def test_parts_of_texts_are_not_compressed(self):
+        job, result = self.job(format="csv")
+        answer = self.ask(f"/jobs/{job}/result", "--header", "Range: bytes=0-4999", "--header", "Accept-Encoding: gzip")
+        self.assertEqual((answer.status, answer.body), (206, result.body[:5000]))
+        self.assertEqual(answer.headers["etag"], result.headers["etag"])
+
+
 if __name__ == "__main__":
     unittest.main(verbosity=2)
