@@ -8,6 +8,27 @@
 
 namespace ccdt::api {
 
+int http_status(ErrorCode code) {
+    switch (code) {
+        case ErrorCode::Malformed:
+            return 400;
+        case ErrorCode::Unusable:
+            return 422;
+        case ErrorCode::LimitExceeded:
+            return 413;
+        case ErrorCode::NotAcceptable:
+            return 406;
+        case ErrorCode::Unsupported:
+            return 415;
+        case ErrorCode::Unavailable:
+        case ErrorCode::Stopped:
+            return 503;
+        case ErrorCode::Internal:
+            break;
+    }
+    return 500;
+}
+
 std::string problem_json(int status, std::string_view title, const Error& error, std::string_view instance) {
     std::string detail = error.message;
     for (const Error& other : error.others) detail += "; " + other.message;

@@ -8,6 +8,9 @@
 
 namespace ccdt::api {
 
+/// Returns the HTTP status of an answer that reports an error.
+int http_status(ErrorCode code);
+
 /// Writes the body of an error answer, application/problem+json (RFC 9457).
 ///
 /// @param status    HTTP status, repeated in the body

@@ -6,20 +6,14 @@ const textNumbers = { body: 0, type: 1, warnings: 2, repaired: 3, problem: 4 };
 
 const operations = { halftone: 0, sample: 1, analyze: 2 };
 
-/** HTTP statuses of the service for the errors of core/base/result.h, in their order. */
-const statuses = [400, 422, 413, 406, 415, 503, 503, 500];
-
 /** A refused request. `problem` is the body of the service's answer, application/problem+json. */
 export class Refusal extends Error {
-  /**
-   * @param {number} code  1 plus the number of the error
-   * @param {{ detail: string, errors?: { pointer: string, detail: string }[] }} problem
-   */
-  constructor(code, problem) {
+  /** @param {{ status: number, detail: string, errors?: { pointer: string, detail: string }[] }} problem */
+  constructor(problem) {
     super(problem.detail);
     this.name = "Refusal";
-    this.status = statuses[code - 1];
-    this.problem = { ...problem, status: this.status };
+    this.status = problem.status;
+    this.problem = problem;
   }
 }
 
@@ -78,9 +72,9 @@ export class Engine {
     };
   }
 
-  /** @param {number} code */
-  #check(code) {
-    if (code) throw new Refusal(code, JSON.parse(new TextDecoder().decode(this.#bytes("problem"))));
+  /** @param {number} isValid  1, or 0 after an error */
+  #check(isValid) {
+    if (!isValid) throw new Refusal(JSON.parse(new TextDecoder().decode(this.#bytes("problem"))));
   }
 
   /**

@@ -113,11 +113,10 @@ Result<Answer> run(const ParsedRequest& request) {
     return answer;
 }
 
-/// Stores the error for the caller. Returns its code, from 1.
-std::uint32_t fail(const Error& error) {
-    constexpr int kUnknownStatus = 0;
-    state().problem = problem_json(kUnknownStatus, {}, error, {});
-    return static_cast<std::uint32_t>(error.code) + 1;
+/// Stores the error for the caller. Returns false.
+bool fail(const Error& error) {
+    state().problem = problem_json(http_status(error.code), {}, error, {});
+    return false;
 }
 
 /// Returns the text with a number: see README.md.
@@ -147,7 +146,7 @@ CCDT_EXPORTED("reserve_texts") char* ccdt_reserve_texts(std::size_t size) {
     return api::state().texts.data();
 }
 
-CCDT_EXPORTED("parse") std::uint32_t ccdt_parse(std::uint32_t operation) {
+CCDT_EXPORTED("parse") bool ccdt_parse(std::uint32_t operation) {
     auto& request = api::state();
     auto options = api::options_of(request.texts);
     const std::string type = std::move(options.front().value);
@@ -156,19 +155,19 @@ CCDT_EXPORTED("parse") std::uint32_t ccdt_parse(std::uint32_t operation) {
     if (!parsed) return api::fail(parsed.error());
     if (const auto checked = api::check_memory((*parsed)->cost()); !checked) return api::fail(checked.error());
     request.parsed = *std::move(parsed);
-    return 0;
+    return true;
 }
 
 CCDT_EXPORTED("seconds") double ccdt_seconds() {
     return api::state().parsed->cost().seconds;
 }
 
-CCDT_EXPORTED("run") std::uint32_t ccdt_run() {
+CCDT_EXPORTED("run") bool ccdt_run() {
     auto answer = api::run(*api::state().parsed);
     api::state().parsed.reset();
     if (!answer) return api::fail(answer.error());
     api::state().answer = *std::move(answer);
-    return 0;
+    return true;
 }
 
 CCDT_EXPORTED("is_partial") bool ccdt_is_partial() {

@@ -8,7 +8,7 @@
 
 namespace ccdt {
 
-/// Kinds of failure, independent of any protocol. server maps each to an HTTP status.
+/// Kinds of failure, independent of any protocol. api maps each to an HTTP status.
 enum class ErrorCode {
     Malformed,      ///< the input cannot be read, or a value lies outside its documented range
     Unusable,       ///< well formed, but without a usable result: crossing edges, broken image, no ink

@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "api/problem.h"
+
 namespace ccdt::server {
 namespace {
 
@@ -11,29 +13,8 @@ constexpr std::chrono::seconds kSoon{2};
 
 }  // namespace
 
-int http_status(ErrorCode code) {
-    switch (code) {
-        case ErrorCode::Malformed:
-            return 400;
-        case ErrorCode::Unusable:
-            return 422;
-        case ErrorCode::LimitExceeded:
-            return 413;
-        case ErrorCode::NotAcceptable:
-            return 406;
-        case ErrorCode::Unsupported:
-            return 415;
-        case ErrorCode::Unavailable:
-        case ErrorCode::Stopped:
-            return 503;
-        case ErrorCode::Internal:
-            break;
-    }
-    return 500;
-}
-
 tl::unexpected<Problem> problem(Error error) {
-    const int status = http_status(error.code);
+    const int status = api::http_status(error.code);
     if (error.code == ErrorCode::Unavailable) {
         auto refused = busy(status, error.message, kSoon);
         refused.value().cause = std::move(error.message);

@@ -25,9 +25,6 @@ struct Problem {
 template <class T>
 using HttpResult = tl::expected<T, Problem>;
 
-/// Returns the HTTP status for an error of api or core.
-int http_status(ErrorCode code);
-
 /// Converts an error or a message to a problem. If the status is 500, the client learns only that the server failed,
 /// and the message becomes the cause for the log.
 tl::unexpected<Problem> problem(Error error);

@@ -8,6 +8,16 @@
 namespace ccdt::api {
 namespace {
 
+TEST(HttpStatus, CoversEveryKindOfError) {
+    EXPECT_EQ(http_status(ErrorCode::Malformed), 400);
+    EXPECT_EQ(http_status(ErrorCode::Unusable), 422);
+    EXPECT_EQ(http_status(ErrorCode::LimitExceeded), 413);
+    EXPECT_EQ(http_status(ErrorCode::NotAcceptable), 406);
+    EXPECT_EQ(http_status(ErrorCode::Unsupported), 415);
+    EXPECT_EQ(http_status(ErrorCode::Stopped), 503);
+    EXPECT_EQ(http_status(ErrorCode::Internal), 500);
+}
+
 TEST(Problem, WritesMessageAndPointer) {
     const Error error{ErrorCode::Malformed, "sites must be more", "sites"};
     const auto json = nlohmann::json::parse(problem_json(400, "Bad Request", error, "urn:request:7"));

@@ -78,16 +78,6 @@ private:
     std::array<int, 2> sockets_{};
 };
 
-TEST(HttpStatus, CoversEveryKindOfError) {
-    EXPECT_EQ(http_status(ErrorCode::Malformed), 400);
-    EXPECT_EQ(http_status(ErrorCode::Unusable), 422);
-    EXPECT_EQ(http_status(ErrorCode::LimitExceeded), 413);
-    EXPECT_EQ(http_status(ErrorCode::NotAcceptable), 406);
-    EXPECT_EQ(http_status(ErrorCode::Unsupported), 415);
-    EXPECT_EQ(http_status(ErrorCode::Stopped), 503);
-    EXPECT_EQ(http_status(ErrorCode::Internal), 500);
-}
-
 TEST_F(RoutesTest, KeepsAWellFormedRequestId) {
     EXPECT_EQ(ask("GET /health HTTP/1.1\r\nX-Request-ID: aZ09._-").record.request_id, "aZ09._-");
     const std::string longest(64, 'a');
