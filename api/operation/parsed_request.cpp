@@ -11,6 +11,7 @@
 #include "api/halftone/halftone_cost.h"
 #include "api/operation/body_kind.h"
 #include "api/operation/work_progress.h"
+#include "api/sample/choice/choice_formats.h"
 #include "api/sample/choice/choice_parser.h"
 #include "api/sample/choice/choice_sample.h"
 #include "api/sample/mask/threshold_mask.h"
@@ -24,6 +25,16 @@
 
 namespace ccdt::api {
 namespace {
+
+std::string_view format_of(const auto& request) {
+    return request.format->file.name;
+}
+std::string_view format_of(const SampleRequest& request) {
+    return request.threshold_mask ? request.threshold_mask->format->file.name : request.output.format->file.name;
+}
+std::string_view format_of(const SurfaceAnalyzeRequest& /*request*/) {
+    return kJson.name;
+}
 
 Cost cost_within(const auto& request, const Limits& limits) {
     if constexpr (requires { cost_of(request, limits); })
@@ -90,6 +101,8 @@ template <class Request>
 class Parsed : public ParsedRequest {
 public:
     Parsed(Request request, const Limits& limits) : request_(std::move(request)), limits_(limits) {}
+
+    std::string_view format() const override { return format_of(request_); }
 
     Cost cost() const override {
         const auto computing = cost_within(request_, limits_);

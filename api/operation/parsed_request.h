@@ -19,6 +19,9 @@ class ParsedRequest {
 public:
     virtual ~ParsedRequest() = default;
 
+    /// Returns the name of the format of the answer.
+    virtual std::string_view format() const = 0;
+
     /// Returns the cost of computing the answer, including the memory of the request itself.
     virtual Cost cost() const = 0;
 

@@ -93,6 +93,18 @@ Result<ParsedPointer> parse(Operation operation, std::string_view body, const st
     return parse_analyze_request(body, options, {}, {}, media_type);
 }
 
+/// Refuses formats whose writers absent_codecs.cpp replaces. A drawing of an analysis contains a PNG.
+Result<void> check_format(Operation operation, std::string_view format) {
+    constexpr std::array<std::string_view, 8> kAbsent{"png", "jpeg",    "webp", "tiff",
+                                                      "pdf", "pmtiles", "mask", "mask16"};
+    const bool has_picture = operation == Operation::Analyze && format == "svg";
+    if (!has_picture && std::ranges::find(kAbsent, format) == kAbsent.end()) return {};
+    return failure(ErrorCode::NotAcceptable,
+                   "WebAssembly cannot write " + std::string(format) +
+                       "; use json, csv, npy or svg and draw the dots, or ask a server",
+                   "format");
+}
+
 Result<void> check_memory(const Cost& cost) {
     if (cost.memory <= kMaxMemory) return {};
     return failure(ErrorCode::LimitExceeded, "the answer needs about " + std::to_string(cost.memory >> 20) +
@@ -106,11 +118,8 @@ Result<Answer> run(const ParsedRequest& request) {
         if (ccdt_progress(now.done())) stop.request_stop();
     };
     Timings timings;
-    auto answer = request.run({decode_bmp<Picture>, decode_bmp<ColourPicture>, decode_surface},
-                              {stop.get_token(), progress, &inline_executor()}, timings, nullptr);
-    if (answer && answer->body.empty() && answer->media_type == "application/pdf")
-        return failure(ErrorCode::NotAcceptable, "WebAssembly writes no PDF; use svg, or ask a server", "format");
-    return answer;
+    return request.run({decode_bmp<Picture>, decode_bmp<ColourPicture>, decode_surface},
+                       {stop.get_token(), progress, &inline_executor()}, timings, nullptr);
 }
 
 /// Stores the error for the caller. Returns false.
@@ -153,6 +162,8 @@ CCDT_EXPORTED("parse") bool ccdt_parse(std::uint32_t operation) {
     options.erase(options.begin());
     auto parsed = api::parse(api::Operation{operation}, request.body, options, type);
     if (!parsed) return api::fail(parsed.error());
+    const auto format = api::check_format(api::Operation{operation}, (*parsed)->format());
+    if (!format) return api::fail(format.error());
     if (const auto checked = api::check_memory((*parsed)->cost()); !checked) return api::fail(checked.error());
     request.parsed = *std::move(parsed);
     return true;

@@ -51,7 +51,7 @@ def requests(server):
             return offered
         url = urllib.parse.urlsplit(path)
         return SimpleNamespace(operation=url.path[1:], options=urllib.parse.parse_qsl(url.query, True), type="",
-                               body=pictures[data])
+                               body=pictures.get(data, data))
 
     def described_json(server, path, body):
         text = json.dumps(body)
@@ -83,17 +83,19 @@ def answers_to(asked):
         yield SimpleNamespace(status=answer["status"], type=answer["type"], body=base64.b64decode(answer["body"]))
 
 
-BROKEN = """
+PREPARED = """
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
-import { Engine, Refusal } from "LOADER";
+import { bitmapOf, Engine, Refusal } from "LOADER";
 
 const engine = new Engine(await WebAssembly.compile(await readFile("MODULE")));
 const sample = (request, options) =>
   engine.answer("sample", new TextEncoder().encode(JSON.stringify({ format: "csv", ...request })), options);
 const torus = { sites: 200, domain: { type: "torus", width: 1, height: 1 } };
 const expected = sample(torus);
+"""
 
+BROKEN = PREPARED + """
 const broken = new Error("ends the instance");
 assert.throws(() => sample(torus, { progress() { throw broken; } }), broken);
 assert.deepEqual(sample(torus), expected);
@@ -112,6 +114,36 @@ assert.equal(sample({ ...torus, sites: 1_000_000 }, { seconds: 0.1 }), null);
 assert.throws(() => engine.answer("halftone", new Uint8Array([1, 2, 3])), { name: "Refusal", status: 415 });
 """
 
+# An answer that would not fit into the memory is refused. Bodies that do not fit end the instance.
+EXHAUSTED = PREPARED + """
+const large = { sites: 2_000_000, domain: { ...torus.domain, depth: 1 }, mesh: true, format: "vtu" };
+assert.throws(() => sample(large, { seconds: 0 }), (error) =>
+  error.status === 413 && /^the answer needs about \\d+ MiB, but WebAssembly has at most 1800 MiB$/.test(error.message));
+assert.deepEqual(sample(torus), expected);
+for (const length of [2_147_000_000, 4_000_000_000]) {
+  assert.throws(() => engine.answer("sample", { length }), WebAssembly.RuntimeError);
+  assert.deepEqual(sample(torus), expected);
+}
+"""
+
+# Any progress would show that the computation has begun.
+REFUSED = PREPARED + """
+const refused = { progress: () => assert.fail("it computes") };
+const refuses = (format, ask) => assert.throws(ask, (error) =>
+  error.status === 406 && error.message.startsWith(`WebAssembly cannot write ${format};`));
+const area = { sites: 20_000, width_mm: 100, domain: { ...torus.domain, type: "rectangle" } };
+const degrees = { sites: 20_000, polygon: [[0, 0], [9, 0], [9, 8]], coordinates: "lonlat" };
+const mask = { domain: { ...torus.domain, width: 64, height: 64 } };
+const requests = { png: area, jpeg: area, pdf: area, pmtiles: degrees, mask, mask16: mask };
+for (const [format, request] of Object.entries(requests)) refuses(format, () => sample({ ...request, format }, refused));
+const picture = bitmapOf({ width: 64, height: 64, data: new Uint8Array(4 * 64 * 64).fill(128) });
+const options = (format) => [["sites", "20000"], ["format", format]];
+for (const format of FORMATS.filter((one) => !(one in requests)))
+  refuses(format, () => engine.answer("halftone", picture, { options: options(format), ...refused }));
+const points = new TextEncoder().encode(JSON.stringify({ points: [[0, 0], [0.5, 0.5]], format: "svg" }));
+refuses("svg", () => engine.answer("analyze", points, refused));
+"""
+
 SIZE = """
 import { readFile } from "node:fs/promises";
 import { brotliCompressSync } from "node:zlib";
@@ -121,7 +153,7 @@ console.log(brotliCompressSync(await readFile("MODULE")).length);
 
 
 def run_script(script):
-    script = script.replace("LOADER", LOADER.as_uri()).replace("MODULE", str(MODULE))
+    script = script.replace("LOADER", LOADER.as_uri()).replace("MODULE", str(MODULE)).replace("FORMATS", json.dumps(ABSENT_FORMATS))
     return subprocess.run(["node", "--input-type=module", "--eval", script], capture_output=True, text=True, timeout=120)
 
 
@@ -155,6 +187,14 @@ class Wasm(unittest.TestCase):
 
     def test_replaces_broken_instances_and_keeps_others(self):
         run = run_script(BROKEN)
+        self.assertEqual(run.returncode, 0, run.stderr)
+
+    def test_refuses_what_does_not_fit_and_survives_exhausted_memory(self):
+        run = run_script(EXHAUSTED)
+        self.assertEqual(run.returncode, 0, run.stderr)
+
+    def test_refuses_formats_before_it_computes(self):
+        run = run_script(REFUSED)
         self.assertEqual(run.returncode, 0, run.stderr)
 
     def test_is_small(self):
