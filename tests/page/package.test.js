@@ -150,6 +150,21 @@ test("a computation that is aborted before its worker has it does not begin", as
   assert.equal(name, "AbortError");
 });
 
+test("a client loads the module again after a failure", async () => {
+  page = "<!DOCTYPE html><title>Local</title>";
+  await world.page.goto(origin.url);
+  const [{ status, message }, { points }] = await world.page.evaluate(async () => {
+    const { sample } = await import("/node_modules/ccdt/wasm.js");
+    const { fetch } = window;
+    window.fetch = () => Promise.reject(new TypeError("the network is down"));
+    const request = { sites: 9, domain: { type: "torus", width: 1, height: 1 } };
+    const error = await sample(request).catch(({ status, message }) => ({ status, message }));
+    window.fetch = fetch;
+    return [error, await sample(request)];
+  });
+  assert.deepEqual([status, message, points.length], [500, "WebAssembly failed: TypeError: the network is down", 9]);
+});
+
 test("Firefox computes without a network, with the bytes of Chromium", async (context) => {
   if (!process.env.CCDT_FIREFOX?.startsWith("/")) return context.skip("Firefox is missing");
   page = '<!DOCTYPE html><title>Local</title><link rel="icon" href="data:,">';

@@ -6,7 +6,7 @@ import type { Call, Outcome as ClientOutcome } from "./client.js";
 import type {
   Answer, ConnectionOptions, FileInput, HalftoneFormat, HalftoneOptions, JobState, RequestOptions,
 } from "./types.js";
-import { compute } from "./wasm_worker.js";
+import { compute, failureOf, load } from "./wasm_worker.js";
 import type { Outcome, Task } from "./wasm_worker.js";
 
 export { bitmapOf } from "./loader.mjs";
@@ -28,8 +28,11 @@ interface LocalInit extends RequestInit {
   progress?: Progress;
 }
 
+/** A task without the module that computes it. */
+type Work = Omit<Task, "module">;
+
 /** Returns the task of a request, whose body is a form or a file. */
-async function taskOf(operation: Task["operation"], request: Request, seconds: number): Promise<Task> {
+async function taskOf(operation: Task["operation"], request: Request, seconds: number): Promise<Work> {
   const options = [...new URL(request.url).searchParams];
   const type = request.headers.get("Content-Type") ?? "";
   if (!type.startsWith("multipart/form-data")) return { operation, options, type, body: await request.blob(), seconds };
@@ -50,11 +53,23 @@ function responseOf({ status, type, body, warnings, repaired }: Outcome): Respon
 
 /** Computes in a worker, which ends with the computation if that is aborted. */
 class LocalWorker {
+  #module: Promise<WebAssembly.Module> | undefined;
   #idle: Worker[] = [];
 
-  async compute(task: Task, progress?: Progress, signal?: AbortSignal | null): Promise<Outcome> {
+  async compute(work: Work, progress?: Progress, signal?: AbortSignal | null): Promise<Outcome> {
     signal?.throwIfAborted();
-    if (!globalThis.Worker) return compute(task, progress);
+    try {
+      const task = { ...work, module: await (this.#module ??= load()) };
+      signal?.throwIfAborted();
+      return await (globalThis.Worker ? this.#send(task, progress, signal) : compute(task, progress));
+    } catch (error) {
+      signal?.throwIfAborted();
+      this.#module = undefined;  // it may not have been loaded
+      return failureOf(error);
+    }
+  }
+
+  async #send(task: Task, progress?: Progress, signal?: AbortSignal | null): Promise<Outcome> {
     const worker = this.#idle.pop() ?? new Worker(new URL("./wasm_worker.js", import.meta.url), { type: "module" });
     const listening = new AbortController();
     try {

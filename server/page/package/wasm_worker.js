@@ -5,6 +5,7 @@ import { bitmapOf, Engine, Refusal } from "./loader.mjs";
 
 /**
  * @typedef {object} Task
+ * @property {WebAssembly.Module} module
  * @property {"halftone" | "sample" | "analyze"} operation
  * @property {[string, string][]} options
  * @property {string} type
@@ -20,26 +21,38 @@ import { bitmapOf, Engine, Refusal } from "./loader.mjs";
  * @property {string} [repaired]
  */
 
-/** @type {Promise<Engine> | undefined} */
+/** @type {Engine | undefined} */
 let engine;
 
-async function start() {
+/** Compiles the module, which lies beside this file. Workers share it. */
+export async function load() {
   const url = new URL("./ccdt.wasm", import.meta.url);
-  if (url.protocol !== "file:") return new Engine(await WebAssembly.compileStreaming(fetch(url)));
+  if (url.protocol !== "file:") return WebAssembly.compileStreaming(fetch(url));
   const files = "node:fs/promises";
   const { readFile } = await import(files);
-  return new Engine(await WebAssembly.compile(await readFile(url)));
+  return WebAssembly.compile(await readFile(url));
 }
 
 /**
- * Decodes a picture by the browser, and returns its pixels as BMP. Where there is no decoder, returns the file.
+ * Returns the outcome of a task whose computation has failed.
+ * @param {unknown} error
+ * @returns {Outcome}
+ */
+export function failureOf(error) {
+  const problem = error instanceof Refusal ? error.problem : { status: 500, detail: `WebAssembly failed: ${error}` };
+  return { status: problem.status, type: "application/problem+json", body: JSON.stringify(problem) };
+}
+
+/**
+ * Decodes a picture by the browser, and returns its pixels as BMP. If there is no decoder for it, returns the file.
  * @param {Blob} file
  */
 async function decoded(file) {
   const [first] = new Uint8Array(await file.slice(0, 1).arrayBuffer());
   const isBitmap = first === 0x42, isJson = first === 0x7b;
   if (isBitmap || isJson || !globalThis.OffscreenCanvas) return new Uint8Array(await file.arrayBuffer());
-  const image = await createImageBitmap(file);
+  const image = await createImageBitmap(file).catch(() => null);
+  if (!image) return new Uint8Array(await file.arrayBuffer());
   const context = new OffscreenCanvas(image.width, image.height).getContext("2d");
   if (!context) throw new Error("the browser has no canvas");
   context.drawImage(image, 0, 0);
@@ -51,15 +64,14 @@ async function decoded(file) {
  * @param {(share: number) => void} [progress]
  * @returns {Promise<Outcome>}
  */
-export async function compute({ operation, body, ...request }, progress) {
+export async function compute({ module, operation, body, ...request }, progress) {
   try {
-    engine ??= start();
+    engine ??= new Engine(module);
     const bytes = operation === "halftone" ? await decoded(body) : new Uint8Array(await body.arrayBuffer());
-    const answer = (await engine).answer(operation, bytes, { ...request, progress });
+    const answer = engine.answer(operation, bytes, { ...request, progress });
     return answer ? { status: 200, ...answer } : { status: 202, type: "", body: "" };
   } catch (error) {
-    const problem = error instanceof Refusal ? error.problem : { status: 500, detail: `WebAssembly failed: ${error}` };
-    return { status: problem.status, type: "application/problem+json", body: JSON.stringify(problem) };
+    return failureOf(error);
   }
 }
 
