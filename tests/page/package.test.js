@@ -11,7 +11,7 @@ import { tmpdir } from "node:os";
 import path from "node:path";
 import { after, before, test } from "node:test";
 
-import { closeAtLimit, data, patience, run, serveOrigin, startServer, useBrowser } from "./harness.js";
+import { closeAtLimit, data, launchChromium, patience, run, serveOrigin, startServer, useBrowser } from "./harness.js";
 
 const require = createRequire(path.join(process.env.CCDT_NODE_MODULES, "of-the-tests"));
 const puppeteer = require("puppeteer-core");
@@ -114,8 +114,24 @@ test("the example of the README shows dots in a page of another origin, as the c
   assert.deepEqual(inElement, inClient);
 });
 
-test("the example without a server draws its points in a page", async () => {
+test("the example with a camera follows it", async () => {
   [, page] = await examplesOf("html");
+  const browser = await launchChromium("--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream");
+  const tab = await browser.newPage();
+  tab.setDefaultTimeout(patience);
+  await tab.goto(origin.url);
+  const frames = await tab.evaluate(() => new Promise((resolve) => {
+    const frames = [];
+    document.querySelector("ccdt-halftone").addEventListener("load", ({ target }) => {
+      if (frames.push(target.shadowRoot.children[0].src) === 3) resolve(frames);
+    });
+  }));
+  assert.equal(new Set(frames).size, 3);
+  await browser.close();
+});
+
+test("the example without a server draws its points in a page", async () => {
+  [, , page] = await examplesOf("html");
   await world.page.goto(origin.url);
   await world.page.waitForFunction(() => {
     const { data } = document.querySelector("canvas").getContext("2d").getImageData(0, 0, 400, 400);

@@ -1,22 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Custom element that shows a picture as dots, in pages of any origin:
-// <ccdt-halftone src=photo.jpg sites=20000 color=cmyk width=600 height=400 alt="A cat"></ccdt-halftone>
+// Custom element <ccdt-halftone>: shows a picture as dots, in pages of any origin.
 //
-// Requests dots from the server in the attribute `server`, by default the one that this module was loaded from. Until
-// the answer arrives, and if the request fails, draws a conventional halftone screen in the browser.
+// The dots come from a server, by default the one that this module was loaded from, or from an engine: a module that
+// computes in the browser. Until they arrive, and after an error, the element draws a conventional halftone screen.
 
 import { Connection } from "./connection.js";
 
-const here = import.meta.url;  // a constant, because bundlers replace `new URL` with import.meta.url
+const here = import.meta.url;  // bundlers replace `new URL` with import.meta.url
 
 /** Attributes of the element that become options of /halftone. Flags need no value. */
 const optionAttributes = ["device", "fit", "gravity", "sites", "color", "palette", "foreground", "background", "tone", "levels", "alpha", "detail", "dot",
   "scale", "quality", "seed", "iterations", "passes", "antialias", "dots", "invert"];
 const flags = ["antialias", "invert"];
 
-const maxJobs = 2;  // of all elements on a page; browsers open six connections to a server, and each job occupies one
-const nearby = "300px";  // distance from the window at which an element with loading=lazy requests its dots
-const resizeDelay = 250;  // ms without a change of size after which new dots are requested
+const maxJobs = 2;  // of all elements; each occupies one of six connections
+const nearby = "300px";  // distance from the window at which loading=lazy requests dots
+const resizeDelay = 250;  // ms without a change after which new dots are requested
 const minPitch = 4;  // pixels; minimum distance of dots drawn in the browser
 
 let jobs = 0;
@@ -33,8 +32,10 @@ async function inTurn(work) {
   }
 }
 
-async function pictureAt(address, signal) {
-  const response = await fetch(address, { signal });
+/** Returns the file at an address, or the element `#id` of the page. */
+async function pictureAt(source, signal) {
+  if (source.startsWith("#")) return document.querySelector(source);
+  const response = await fetch(new URL(source, document.baseURI), { signal });
   if (!response.ok) throw new Error(`${response.url} was answered with status ${response.status}`);
   return response.blob();
 }
@@ -45,7 +46,7 @@ const luminance = (red, green, blue) => 0.2126 * red + 0.7152 * green + 0.0722 *
 
 /**
  * Returns the colour of the paper, the blending mode of the inks, and for each ink [colour, angle of its screen in
- * degrees, function from the light of red, green and blue to the coverage].
+ * degrees, function from light to coverage].
  */
 function screensOf(options) {
   if (options.get("color") === "cmyk") {
@@ -72,8 +73,8 @@ function lightOfColour(context, colour) {
 }
 
 /**
- * Averages a picture, on a white ground, over a grid of `width` x `height` cells. Returns a function from a position
- * (shares of the sides, from 0 to 1) to the light of the cell there.
+ * Averages a picture, on white, over a grid of cells. Returns a function from a position (shares of the sides) to the
+ * light of the cell there.
  */
 function lightOf(bitmap, width, height) {
   const canvas = Object.assign(document.createElement("canvas"), { width, height });
@@ -90,7 +91,7 @@ function lightOf(bitmap, width, height) {
   };
 }
 
-/** Returns the radius, in pitches, of dots on a square grid with a given coverage. Above pi / 4, they overlap. */
+/** Returns the radius, in pitches, of dots with a given coverage on a square grid. */
 function radiusOf(covered) {
   const alone = Math.PI / 4;
   if (covered < alone) return Math.sqrt(covered / Math.PI);
@@ -115,7 +116,7 @@ function drawScreen(context, { width, height }, pitch, light, [colour, angle, sh
   context.fill();
 }
 
-/** Draws the screens of all inks in linear light, so that antialiased edges mix light, and converts to sRGB. */
+/** Draws the screens of all inks in linear light, and converts to sRGB. */
 function draw(canvas, width, bitmap, options) {
   canvas.width = width;
   canvas.height = Math.max(Math.round((width * bitmap.height) / bitmap.width), 1);
@@ -142,11 +143,14 @@ img, canvas { display: block; width: 100%; }
 p { position: absolute; inset: auto 0 0; margin: 0; padding: .3em .6em; font: 14px/1.4 sans-serif; background: #fff; color: #a8261c; overflow-wrap: anywhere; }
 progress { position: absolute; inset: auto 0 0; width: 100%; height: 4px; }`;
 
-// Node.js has no HTMLElement, but may import this module, for example to render pages.
+// Node.js, which has no HTMLElement, may import this module to render pages.
 const Base = globalThis.HTMLElement ?? Object;
 
 export class HalftoneElement extends Base {
-  static observedAttributes = ["src", "alt", "server", "width", "height", "loading", ...optionAttributes];
+  static observedAttributes = ["src", "alt", "server", "engine", "width", "height", "loading", ...optionAttributes];
+
+  /** Loads the engine, if there is one. */
+  static loadEngine = (engine) => engine && import(new URL(engine, document.baseURI));
 
   #picture = Object.assign(new Image(), { hidden: true });
   #drawing = Object.assign(document.createElement("canvas"), { hidden: true });
@@ -159,11 +163,12 @@ export class HalftoneElement extends Base {
   #approach = new IntersectionObserver(([{ isIntersecting }]) => this.#approached(isIntersecting), { rootMargin: nearby });
   #timer = null;
   #loaded = {};  // {source, picture}: the last loaded picture
-  #isMissing = false;  // whether the picture could not be loaded; another width then makes no difference
-  #isNear = false;  // whether an element with loading=lazy has been near the visible part of the page
+  #isMissing = false;  // whether the picture could not be loaded, for any width
+  #isNear = false;  // whether a lazy element has been near the window
   #pixels = 0;  // width of the last request, in device pixels
   #run = null;
-  #requested = null;  // source, server and options of the shown or requested dots
+  #isDraft = false;  // of the engine: requested or shown
+  #requested = null;  // attributes of the requested or shown dots
   #drawn = null;  // source of the picture drawn in the browser
 
   constructor() {
@@ -190,6 +195,12 @@ export class HalftoneElement extends Base {
   attributeChangedCallback() { queueMicrotask(() => this.#refresh()); }
   disconnectedCallback() { queueMicrotask(() => this.#leave()); }
 
+  /** Requests dots of a changed canvas or video. */
+  refresh() {
+    this.#requested = null;
+    this.#refresh();
+  }
+
   /** Cancels the running request and its job on the server. Keeps the shown picture. */
   abort() {
     if (!this.#run) return;
@@ -208,7 +219,7 @@ export class HalftoneElement extends Base {
     if (isNear) this.#refresh();
   }
 
-  /** Cancels the request of a removed element. An element that was only moved keeps its request. */
+  /** Cancels the request of a removed element, but not of a moved one. */
   #leave() {
     if (this.isConnected) return;
     clearTimeout(this.#timer);
@@ -241,15 +252,19 @@ export class HalftoneElement extends Base {
     return Math.round(this.getBoundingClientRect().width * devicePixelRatio);
   }
 
-  /** Requests dots for a new size when the size has not changed for `resizeDelay`. */
   #resized() {
     if (!this.#requested || this.#isMissing || this.hasAttribute("scale") || [0, this.#pixels].includes(this.#pixelsNow)) return;
     this.#fit.replaceSync("");
+    this.#settle();
+  }
+
+  /** Requests dots for a new size, or after a draft. */
+  #settle() {
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => {
-      if (!this.isConnected || [0, this.#pixels].includes(this.#pixelsNow)) return;
+      if (!this.isConnected || (!this.#isDraft && [0, this.#pixels].includes(this.#pixelsNow))) return;
       this.#cancel();
-      this.#make(this.getAttribute("src"), this.#options());
+      this.#make(this.getAttribute("src"), this.#options(), true);
     }, resizeDelay);
   }
 
@@ -273,47 +288,57 @@ export class HalftoneElement extends Base {
     Object.assign(this.#drawing, alt ? { role: "img", ariaLabel: alt, ariaHidden: null } : { role: null, ariaHidden: "true" });
     const source = this.getAttribute("src");
     const options = this.#options();
-    const requested = `${source} ${this.getAttribute("server")} ${this.#given} ${options}`;
+    const requested = `${source} ${this.getAttribute("server")} ${this.getAttribute("engine")} ${this.#given} ${options}`;
     this.#reserve();
     if (!this.isConnected || requested === this.#requested) return;
     if (this.getAttribute("loading") === "lazy" && !this.#isNear) return this.#approach.observe(this);
+    if (this.#run && this.#isDraft) return;  // the end of the draft calls this again
     this.#cancel();
     this.#requested = requested;
     if (source) this.#make(source, options);
   }
 
-  async #make(source, options) {
+  async #make(source, options, isFinal) {
+    clearTimeout(this.#timer);
     const run = new AbortController();
     const { signal } = run;
     this.#run = run;
+    this.#isDraft = false;
     try {
+      const engine = await HalftoneElement.loadEngine(this.getAttribute("engine"), this.getAttribute("server"));
+      signal.throwIfAborted();
       this.#isMissing = this.#loaded.source !== source;
-      if (this.#isMissing) this.#loaded = { source, picture: await pictureAt(new URL(source, document.baseURI), signal) };
+      this.#isDraft = engine && !isFinal && !this.#isMissing && !this.#picture.hidden;
+      if (this.#isMissing) this.#loaded = { source, picture: await pictureAt(source, signal) };
       this.#isMissing = false;
       const { picture } = this.#loaded;
-      await this.#draw(picture, source, options, signal);
+      if (!this.#isDraft) await this.#draw(picture, source, options, signal);
       const query = this.#sized(options);
-      await this.#show(await inTurn(() => this.#askForDots(picture, query, run)), signal);
+      await this.#show(await inTurn(() => this.#askForDots(picture, query, run, engine)), signal);
       this.dispatchEvent(new Event("load"));
     } catch (error) {
       if (signal.aborted) return;
+      this.#isDraft = false;
       this.#fall(source);
-      this.#message.hidden = !error.errors?.length;  // errors of options are those of the page's author
+      this.#message.hidden = !error.errors?.length;
       this.#message.textContent = error.message;
       this.dispatchEvent(new ErrorEvent("error", { error, message: error.message }));
     } finally {
       if (this.#run === run) {
         this.#run = null;
         this.#progress.hidden = true;
+        if (!this.#isDraft) return;
+        this.#settle();
+        this.#refresh();
       }
     }
   }
 
-  /** Returns dots that the server computes as a job. */
-  async #askForDots(picture, query, run) {
-    const client = new Connection(this.getAttribute("server") || new URL("/", here));
+  /** Returns dots from the engine or the server. */
+  async #askForDots(body, query, run, engine) {
+    const client = engine?.clientOf(this, this.#isDraft) ?? new Connection(this.getAttribute("server") || new URL("/", here));
     const onProgress = ({ progress }) => this.#reportProgress(run, progress);
-    const response = await client.request("POST", `halftone?${query}`, { body: picture, signal: run.signal, onProgress });
+    const response = await client.request("POST", `halftone?${query}`, { body, signal: run.signal, onProgress });
     return response.blob();
   }
 

@@ -43,6 +43,7 @@ export async function follow(options: HalftoneOptions): Promise<string> {
 
 export const show = ({ status, progress }: JobState): boolean => status === "succeeded" || progress === 1;
 document.querySelector("ccdt-halftone")?.abort();
+document.querySelector("ccdt-halftone")?.refresh();
 
 // @ts-expect-error: a number
 client.halftone(picture, { sites: "many" });
