@@ -175,6 +175,7 @@ def analyses(formats):
         yield f"{form} rectangle", {"sets": [points, points[::-1]], "domain": {"type": "rectangle", "width": 1,
                                                                                "height": 1}, "format": form}
     yield "spectrum", {"points": points, "spectrum": True, "max_frequency": 2}
+    yield "columns", {"points": [(i % 9 / 9, (53 * i % 997) / 997) for i in range(400)]}
 
 
 def choices():

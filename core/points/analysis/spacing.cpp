@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -42,7 +43,7 @@ class Tree {
 public:
     explicit Tree(std::size_t size) { nodes_.reserve(size); }
 
-    void add(const Site& site) { nodes_.push_back({site, 0}); }
+    void add(const Site& site) { nodes_.push_back({site, static_cast<std::uint32_t>(nodes_.size()), 0}); }
     void build() { build(0, nodes_.size()); }
 
     std::size_t size() const { return nodes_.size(); }
@@ -58,7 +59,8 @@ public:
 private:
     struct Node {
         Site site;
-        std::size_t axis;  ///< axis along which the element splits the range
+        std::uint32_t number;  ///< in the order of calls of add()
+        std::uint32_t axis;    ///< axis along which the element splits the range
     };
 
     struct Query {
@@ -78,10 +80,14 @@ private:
             });
             extents[axis] = along(high->site, axis) - along(low->site, axis);
         }
-        const auto axis = static_cast<std::size_t>(std::ranges::max_element(extents) - extents.begin());
+        const auto axis = static_cast<std::uint32_t>(std::ranges::max_element(extents) - extents.begin());
         const std::size_t middle = begin + (end - begin) / 2;
+        // A total order determines the tree, and so the order of summation, for every standard library.
         std::nth_element(first, nodes_.begin() + static_cast<std::ptrdiff_t>(middle), last,
-                         [axis](const Node& a, const Node& b) { return along(a.site, axis) < along(b.site, axis); });
+                         [axis](const Node& a, const Node& b) {
+                             const double x = along(a.site, axis), y = along(b.site, axis);
+                             return x < y || (x == y && a.number > b.number);
+                         });
         nodes_[middle].axis = axis;
         build(begin, middle);
         build(middle + 1, end);
