@@ -131,6 +131,8 @@ def samples(formats, methods):
                                 "include": [{"y": 2, "height": 1}], "format": "png",
                                 "domain": {"type": "pixels", "width": 101, "height": 77}}
     yield "order density", {"sites": 500, "order": "progressive", "density": GRID, "domain": RECTANGLE}
+    # In parts of hundreds of points.
+    yield "order large", {"sites": 9000, "order": "progressive", "format": "csv", "domain": TORUS}
     yield "order lonlat", {"sites": 500, "order": "progressive", "coordinates": "lonlat",
                            "geometry": polygon("Italy-110m.geojson")}
     yield "torus stealthy", {"sites": 500, "quality": "stealthy", "domain": {**TORUS, "width": 3}}

@@ -38,7 +38,8 @@ std::size_t longest_axis(std::span<const P> positions, std::span<const std::uint
 class Regions {
 public:
     /// Sorts points by region.
-    /// @param order  permutation of the points; reordered such that the points of each region are successive
+    /// @param order  permutation of the points; reordered such that the points of each region are successive, in
+    ///               ascending order
     template <class P>
     Regions(std::span<const P> positions, std::vector<std::uint32_t>& order) {
         while ((order.size() >> depth_) >= 2 * kMinRegionPoints) ++depth_;
@@ -90,7 +91,11 @@ private:
     template <class P>
     void divide(std::span<const P> positions, std::span<std::uint32_t> order, std::size_t region, int depth) {
         sizes_[region] = static_cast<std::uint32_t>(order.size());
-        if (depth == depth_) return;
+        // nth_element() leaves points in an order that depends on the standard library.
+        if (depth == depth_) {
+            std::ranges::sort(order);
+            return;
+        }
         const std::size_t axis = longest_axis<P>(positions, order);
         const auto position = [&](std::uint32_t i) { return along(positions[i], axis); };
         const std::size_t half = order.size() / 2;
