@@ -62,7 +62,7 @@ def requests(server):
     with mock.patch.object(test_goldens, "ask", described), mock.patch.object(test_goldens, "post_json", described_json):
         for name, request in test_goldens.everything(None):
             request = request()
-            options = {**dict(request.options), **vars(request).pop("json", {})}
+            options = {**dict(request.options), **getattr(request, "json", {})}
             usual = "png" if request.operation == "halftone" else "json"
             if (options.get("format", usual) not in ABSENT_FORMATS and not name.startswith("analyze svg")
                     and options.get("method") not in ABSENT_METHODS):
@@ -73,14 +73,21 @@ def is_grey(name):
     return any(word in name.split() for word in ("camera", "wedge", "pixel", "black", "image"))
 
 
+def line_of(request):
+    """Returns a request as wasm_answers.mjs reads it."""
+    return json.dumps({"operation": request.operation, "options": request.options, "type": request.type,
+                       "body": base64.b64encode(request.body).decode()})
+
+
+def answer_in(line):
+    answer = json.loads(line)
+    return SimpleNamespace(status=answer["status"], type=answer["type"], body=base64.b64decode(answer["body"]))
+
+
 def answers_to(asked):
-    lines = [json.dumps({"operation": request.operation, "options": request.options, "type": request.type,
-                         "body": base64.b64encode(request.body).decode()}) for request in asked]
-    run = subprocess.run(["node", SCRIPT, MODULE], input="\n".join(lines), capture_output=True, text=True, check=True,
-                         timeout=600)
-    for line in run.stdout.splitlines():
-        answer = json.loads(line)
-        yield SimpleNamespace(status=answer["status"], type=answer["type"], body=base64.b64decode(answer["body"]))
+    run = subprocess.run(["node", SCRIPT, MODULE], input="\n".join(map(line_of, asked)), capture_output=True, text=True,
+                         check=True, timeout=600)
+    return map(answer_in, run.stdout.splitlines())
 
 
 PREPARED = """
