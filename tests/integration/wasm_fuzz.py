@@ -29,6 +29,7 @@ import test_wasm
 from harness import PATIENCE, Server
 
 MAX_MUTATIONS = 5  # of a request
+GRIDS = 0.05  # share of requests on meshes in which points are equally far from several faces
 MAX_NUMBER = 4000  # of sites, iterations and the like, which would take too long
 
 # Refusals of the module for which the server has an answer.
@@ -51,6 +52,20 @@ def random_picture(rng):
     bitmap = io.BytesIO()
     image.save(bitmap, "BMP")
     return bitmap.getvalue()
+
+
+def request_on_grid(rng):
+    """Returns a request for points on a square of many triangles, some of whose corners are fixed points."""
+    side = rng.randint(3, 12)
+    corners = [(i / side, j / side, 0) for j in range(side + 1) for i in range(side + 1)]
+    lower = [j * (side + 1) + i for j in range(side) for i in range(side)]
+    faces = [face for a in lower for face in ((a, a + 1, a + side + 2), (a, a + side + 2, a + side + 1))]
+    rng.shuffle(faces)
+    lines = ["OFF", f"{len(corners)} {len(faces)} 0", *(f"{x} {y} {z}" for x, y, z in corners),
+             *(f"3 {a} {b} {c}" for a, b, c in faces)]
+    options = [("sites", "60"), ("seed", str(rng.randrange(100))), ("format", "json"),
+               ("fixed", json.dumps(rng.sample(corners, 9)))]
+    return SimpleNamespace(operation="sample", options=options, type="model/off", body="\n".join(lines).encode())
 
 
 def other_number(rng, number):
@@ -172,7 +187,7 @@ def differences(server, seed, numbers, counts):
     with Module() as module, contextlib.closing(native.connection):
         for number in numbers:
             rng = random.Random(f"{seed} {number}")
-            request = rng.choice(known)
+            request = request_on_grid(rng) if rng.random() < GRIDS else rng.choice(known)
             request = mutated(rng, request, kinds[request.operation, hasattr(request, "json")])
             answer = module.answer(request)
             if answer.status >= 400 and OWN_REFUSALS.search(answer.body):

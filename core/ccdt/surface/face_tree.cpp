@@ -130,6 +130,8 @@ void FaceTree::build(std::span<Item> items) {
     const std::size_t number = nodes_.size();
     nodes_.push_back(box_around(items));
     if (items.size() <= kLeafSize) {
+        // nth_element() leaves faces in an order that depends on the standard library.
+        std::ranges::sort(items, {}, [](const Item& item) { return item.face.number; });
         for (const Item& item : items) faces_.push_back(item.face);
         return;
     }
