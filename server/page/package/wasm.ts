@@ -6,8 +6,8 @@ import type { Call, Outcome as ClientOutcome } from "./client.js";
 import type {
   Answer, ConnectionOptions, FileInput, HalftoneFormat, HalftoneOptions, JobState, RequestOptions,
 } from "./types.js";
-import { compute, failureOf, load } from "./wasm_worker.js";
-import type { Outcome, Task } from "./wasm_worker.js";
+import { compute, failureOf, load } from "./compute.js";
+import type { Outcome, Task } from "./compute.js";
 
 export { bitmapOf } from "./loader.mjs";
 
@@ -20,6 +20,9 @@ export interface LocalOptions extends ConnectionOptions {
 
 /** Statuses of answers that a server may give instead: too slow here, not offered here, too large, or failed. */
 const elsewhere = [202, 406, 413, 415, 500];
+
+/** Whether this is a page or a worker of one, not Deno or Bun, whose processes would wait for idle workers. */
+const isPage = "document" in globalThis || "WorkerGlobalScope" in globalThis;
 
 type Progress = (share: number) => void;
 
@@ -79,7 +82,8 @@ class LocalWorker {
         worker.addEventListener("message", ({ data }) => (data.outcome ? resolve(data.outcome) : progress?.(data.share)), listening);
         worker.postMessage(task);
       });
-      this.#idle.push(worker);
+      if (isPage) this.#idle.push(worker);
+      else worker.terminate();
       return outcome;
     } catch (error) {
       worker.terminate();
