@@ -62,7 +62,8 @@ export async function startServer(flags) {
  *              a default picture. `/nothing.png` does not exist
  */
 export async function serveOrigin(page) {
-  const types = { ".png": "image/png", ".jpg": "image/png", ".js": "text/javascript", ".mjs": "text/javascript", ".wasm": "application/wasm" };
+  const types = { ".png": "image/png", ".jpg": "image/png", ".js": "text/javascript", ".mjs": "text/javascript", ".wasm": "application/wasm",
+    ".css": "text/css", ".svg": "image/svg+xml", ".json": "application/json" };
   const server = createServer(async (request, response) => {
     const type = types[path.extname(request.url)] ?? "text/html";
     const isThere = request.url !== "/nothing.png";

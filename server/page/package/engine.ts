@@ -12,6 +12,7 @@ interface HalftoneElement extends HTMLElement {
 }
 
 const draftOptions = { quality: "draft", iterations: "1", passes: "2" };
+const measure = "ccdt-halftone";  // name of the entry with the duration of the last answer
 const draftSide = 640;  // pixels; longest side of the pictures of drafts
 
 const clients = new Map<string | null, LocalClient>();  // by the address of their server
@@ -73,7 +74,11 @@ export function clientOf(element: HalftoneElement, isDraft: boolean) {
       if (isDraft && !isDevice) for (const [name, value] of Object.entries(draftOptions)) query.set(name, value);
       const isReduced = isDraft && !query.has("scale");  // scales count pixels of the picture
       const picture = isReduced || !(body instanceof Blob) ? await pixelsOf(body, isReduced ? draftSide : Infinity) : body;
-      return client.request(method, `halftone?${query}`, { ...options, body: picture });
+      const start = performance.now();
+      const response = await client.request(method, `halftone?${query}`, { ...options, body: picture });
+      performance.clearMeasures(measure);
+      performance.measure(measure, { start });
+      return response;
     },
   };
 }
