@@ -72,17 +72,20 @@ void add_entity_tag(Response& response) {
     response.headers.push_back({"ETag", response.tag});
 }
 
-/// Finds the part of a path that a placeholder matches, in a pattern such as `/jobs/{id}/events`. The placeholder
-/// `{path}`, at the end of a pattern, also matches slashes and an empty text.
+/// Finds the part of a path that placeholders match, in a pattern such as `/jobs/{id}/events`: from the first one to
+/// the last one. The placeholder `{path}`, at the end of a pattern, also matches slashes and an empty text.
 /// @returns  none if the path does not match; empty if the pattern has no placeholder
 std::optional<std::string_view> match(std::string_view pattern, std::string_view path) {
     const auto begin = pattern.find('{');
     if (begin == std::string_view::npos) return pattern == path ? std::optional(std::string_view()) : std::nullopt;
     if (!path.starts_with(pattern.substr(0, begin))) return std::nullopt;
     if (pattern.substr(begin) == "{path}") return path.substr(begin);
-    const auto name = path.substr(begin, path.find('/', begin) - begin);
-    if (name.empty() || path.substr(begin + name.size()) != pattern.substr(pattern.find('}') + 1)) return std::nullopt;
-    return name;
+    const auto end = pattern.rfind('}') + 1;
+    const auto wanted = pattern.substr(begin, end - begin), rest = pattern.substr(end);
+    if (path.size() <= begin + rest.size() || !path.ends_with(rest)) return std::nullopt;
+    const auto found = path.substr(begin, path.size() - begin - rest.size());
+    if (std::ranges::count(found, '/') != std::ranges::count(wanted, '/')) return std::nullopt;
+    return found;
 }
 
 /// Whether a route for the method `of_route` accepts requests with `method`. Routes for GET also accept HEAD.
@@ -149,6 +152,8 @@ struct Routes::Table {
         {"/jobs/{id}", "DELETE", ConnectionClass::Common, Access::ApiKey, &Routes::remove_job, nullptr},
         {"/jobs/{id}/events", "GET", ConnectionClass::Streams, Access::ApiKey, &Routes::job_events, nullptr},
         {"/jobs/{id}/result", "GET", ConnectionClass::Common, Access::ApiKey, &Routes::job_result, nullptr},
+        {"/tiles/{id}.json", "GET", ConnectionClass::Common, Access::ApiKey, &Routes::tile_document, nullptr},
+        {"/tiles/{id}/{z}/{x}/{y}.mvt", "GET", ConnectionClass::Common, Access::ApiKey, &Routes::tile, nullptr},
     });
 
     static constexpr Route row_of(const Operation& operation) {
@@ -177,6 +182,7 @@ Routes::Routes(const Config& config, Parts parts)
       documents_(folder_of(config.docs, "document")),
       results_(parts.jobs, kKeptResults),
       job_routes_(parts.jobs, results_, parts.pool.memory(), config.jobs.ping),
+      tile_routes_(parts.jobs, results_),
       id_prefix_(hexadecimal(std::random_device()(), 8) + "-"),
       live_(std::make_shared<const LiveConfig>(config.live)) {}
 
@@ -385,6 +391,14 @@ HttpResult<Response> Routes::job_status(const Incoming& incoming) {
 
 HttpResult<Response> Routes::job_result(const Incoming& incoming) {
     return job_routes_.result(std::string(incoming.target.name), incoming.request, incoming.connection);
+}
+
+HttpResult<Response> Routes::tile_document(const Incoming& incoming) {
+    return tile_routes_.document(std::string(incoming.target.name), incoming.request, incoming.connection);
+}
+
+HttpResult<Response> Routes::tile(const Incoming& incoming) {
+    return tile_routes_.tile(incoming.target.name, incoming.request, incoming.connection);
 }
 
 HttpResult<Response> Routes::job_events(const Incoming& incoming) {

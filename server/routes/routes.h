@@ -23,6 +23,7 @@
 #include "server/routes/compute_routes.h"
 #include "server/routes/incoming.h"
 #include "server/routes/job_routes.h"
+#include "server/routes/tile_routes.h"
 
 namespace ccdt::server {
 
@@ -120,6 +121,8 @@ private:
     HttpResult<Response> job_result(const Incoming& incoming);
     HttpResult<Response> job_events(const Incoming& incoming);
     HttpResult<Response> remove_job(const Incoming& incoming);
+    HttpResult<Response> tile_document(const Incoming& incoming);
+    HttpResult<Response> tile(const Incoming& incoming);
 
     Response preflight(std::string_view allow, const Request& request) const;
 
@@ -142,6 +145,7 @@ private:
     const std::optional<FileFolder> documents_;  ///< none: GET /docs/{path} is disabled
     ResultReader results_;
     JobRoutes job_routes_;
+    TileRoutes tile_routes_;
     std::atomic<bool> draining_ = false;
     std::atomic<bool> warned_of_origins_ = false;
     std::atomic<bool> warned_of_hosts_ = false;

@@ -34,6 +34,7 @@ LATER = ("--header", "Prefer: respond-async")
 
 def concrete(path):
     """Returns a path of the document in which names that do not exist replace the parameters."""
+    path = path.replace("{z}/{x}/{y}", "0/0/0").replace("/tiles/{id}", JOB.replace("jobs", "tiles"))
     return path.replace("/jobs/{id}", JOB).replace("{name}", "no-picture").replace("{path}", "no-document")
 
 
@@ -618,6 +619,17 @@ class Statuses(ContractCase):
         for asked, status in (("bytes=0-9", 206), ("bytes=99999-", 416)):
             self.see("/jobs/{id}/result", "get", self.ask(result, "--header", "Range: " + asked), status)
 
+    def see_tiles(self):
+        job = self.see_ended(self.server, without_none({**SAMPLE, **TILES, "minzoom": 1, "maxzoom": 1}), 200)
+        tiles = job.replace("jobs", "tiles")
+        self.see("/tiles/{id}.json", "get", self.ask(tiles + ".json"), 200)
+        path = "/tiles/{id}/{z}/{x}/{y}.mvt"
+        answer = self.ask(tiles + "/1/1/0.mvt")
+        self.see(path, "get", answer, 200)
+        known = ("--header", "If-None-Match: " + answer.headers["etag"])
+        self.see(path, "get", self.ask(tiles + "/1/1/0.mvt", *known), 304)
+        self.see(path, "get", self.ask(tiles + "/1/0/0.mvt"), 204)
+
     def see_documents(self):
         with Server(f"--docs={SERVER / 'page' / 'site'}") as server:
             answer = ask(server, "/docs/page.css")
@@ -649,6 +661,7 @@ class Statuses(ContractCase):
         known = ("--header", "If-None-Match: " + self.ask(result).headers["etag"])
         self.see("/jobs/{id}/result", "get", self.ask(result, *known), 304)
         self.see_parts(result)
+        self.see_tiles()
         self.see_ended(self.server, CROSSING, 422)
         wide = {**BODIES["/halftone"], "image": data_uri(file_of([[0] * 1200])), "format": "webp", "scale": 16}
         self.see_ended(self.server, wide, 413, "/halftone")

@@ -203,8 +203,10 @@ class Tiles(ServerCase):
                 self.assertIn(words, answer.json()["errors"][0]["detail"])
 
 
-class Results(ServerCase):
-    """Parts of the results of jobs."""
+class TilesByHttp(ServerCase):
+    """Tiles of a job, its TileJSON, and parts of its result."""
+
+    flags = ("--cors-origin=*",)
 
     def job(self, **options):
         """Returns the id and the result of a finished job."""
@@ -216,6 +218,72 @@ class Results(ServerCase):
         result = self.ask(location + "/result")
         self.assertEqual(result.status, 200, result)
         return location.removeprefix("/jobs/"), result
+
+    def check_tiles(self, job, data, most):
+        """Compares tiles with those of the archive."""
+        archive = Archive(data)
+        step = max(1, len(archive.ids) // most)
+        for tile in archive.ids[::step]:
+            zoom, column, row = place_of(tile)
+            answer = self.ask(f"/tiles/{job}/{zoom}/{column}/{row}.mvt")
+            self.assertEqual((answer.status, answer.type), (200, "application/vnd.mapbox-vector-tile"), answer)
+            alone = Archive.__new__(Archive)
+            alone.dots, alone.most = collections.defaultdict(dict), 0
+            alone.read((zoom, column, row), answer.body)
+            self.assertLessEqual(alone.dots[zoom].items(), archive.dots[zoom].items())
+            self.assertTrue(alone.dots[zoom])
+
+    def test_are_those_of_the_archive(self):
+        job, result = self.job(dots_per_tile=300)
+        self.check_tiles(job, result.body, 60)
+
+    def test_of_large_archives_are_found_by_several_directories(self):
+        job, result = self.job(minzoom=13, maxzoom=14, per=0.4)
+        self.assertGreater(len(result.body), 4 << 20)
+        self.check_tiles(job, result.body, 40)
+
+    def test_are_compressed_on_request_and_never_change(self):
+        job, _ = self.job(maxzoom=4)
+        path = f"/tiles/{job}/0/0/0.mvt"
+        plain = self.ask(path)
+        packed = self.ask(path, "--header", "Accept-Encoding: gzip")
+        self.assertEqual((packed.headers["content-encoding"], packed.headers["etag"]), ("gzip", f'"{job}-0-0-0-gzip"'))
+        self.assertNotIn("content-encoding", plain.headers)
+        self.assertEqual(gzip.decompress(packed.body), plain.body)
+        self.assertEqual(packed.headers["access-control-allow-origin"], "*")
+        for answer in (plain, packed):
+            self.assertEqual(answer.headers["vary"], "Accept-Encoding")
+            again = self.ask(path, "--header", "If-None-Match: " + answer.headers["etag"])
+            self.assertEqual((again.status, again.headers["etag"]), (304, answer.headers["etag"]))
+
+    def test_are_absent_where_there_are_no_dots(self):
+        job, _ = self.job(minzoom=2, maxzoom=4)
+        self.assertEqual(self.ask(f"/tiles/{job}/4/0/0.mvt").status, 204)
+        for place in ("1/0/0", "5/0/0", "4/16/0", "4/0/16", "4/-1/0", "4/0/x", "99/0/0"):
+            self.assertEqual(self.ask(f"/tiles/{job}/{place}.mvt").status, 404, place)
+        for path in (f"/tiles/{job}/4/0/0", f"/tiles/{job}/4/0.mvt", "/tiles/none/4/0/0.mvt", "/tiles/none.json"):
+            self.assertEqual(self.ask(path).status, 404, path)
+        other, _ = self.job(format="csv")
+        answer = self.ask(f"/tiles/{other}.json")
+        self.assertEqual(answer.status, 404)
+        self.assertIn("pmtiles", answer.json()["detail"])
+
+    def test_are_described_by_tilejson(self):
+        job, result = self.job(minzoom=1, maxzoom=4)
+        about = self.ask(f"/tiles/{job}.json").json()
+        self.assertEqual(about["tilejson"], "3.0.0")
+        self.assertEqual((about["minzoom"], about["maxzoom"]), (1, 4))
+        self.assertEqual(about["bounds"], Archive(result.body).bounds)
+        self.assertEqual(about["vector_layers"], Archive(result.body).about["vector_layers"])
+        self.assertEqual(about["tiles"], [self.server.url(f"/tiles/{job}") + "/{z}/{x}/{y}.mvt"])
+        secure = self.ask(f"/tiles/{job}.json", "--header", "X-Forwarded-Proto: https").json()
+        self.assertTrue(secure["tiles"][0].startswith("https://"))
+
+    def test_vanish_with_the_job(self):
+        job, _ = self.job(maxzoom=4)
+        self.assertEqual(self.ask(f"/tiles/{job}/0/0/0.mvt").status, 200)
+        self.assertEqual(self.ask(f"/jobs/{job}", "--request", "DELETE").status, 204)
+        self.assertEqual(self.ask(f"/tiles/{job}/0/0/0.mvt").status, 404)
 
     def test_parts_of_results(self):
         for options in ({"maxzoom": 4}, {"minzoom": 13, "maxzoom": 14, "per": 0.4}):

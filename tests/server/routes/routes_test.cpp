@@ -173,6 +173,11 @@ TEST_F(RoutesTest, AcceptOnePathComponentAsAName) {
         EXPECT_EQ(route(target), "") << target;
     EXPECT_EQ(route("/jobs/a"), "/jobs/{id}");
     EXPECT_EQ(route("/jobs/a/result"), "/jobs/{id}/result");
+    EXPECT_EQ(route("/tiles/a.json"), "/tiles/{id}.json");
+    EXPECT_EQ(route("/tiles/a/0/1/2.mvt"), "/tiles/{id}/{z}/{x}/{y}.mvt");
+    for (const char* target :
+         {"/tiles/a", "/tiles/.json", "/tiles/a/b.json", "/tiles/a/0/1.mvt", "/tiles/a/0/1/2/3.mvt"})
+        EXPECT_EQ(route(target), "") << target;
     for (const char* target : {"/jobs/", "/jobs//result", "/jobs/a/", "/jobs/a/results", "/jobs/a/b/result", "/jobs"})
         EXPECT_EQ(route(target), "") << target;
 }
