@@ -92,14 +92,14 @@ Result<void> check(const Operation& operation, const ComputeRequest& request) {
     if (may_hold_json(type) || type == "multipart/form-data" || (operation.takes_shapefiles && is_zip(type)) ||
         (operation.takes_meshes && is_mesh(type)) ||
         (operation.takes_voxels && (type == api::kNpy.media_type || type == "image/tiff")) ||
-        (operation.takes_candidates && is_table(type)))
+        (is_table(type) && holds_candidates(operation, request)))
         return {};
     return failure(ErrorCode::Unsupported,
                    "the type of the body must be application/json, " +
                        std::string(operation.takes_shapefiles ? "application/zip, " : "") +
                        (operation.takes_voxels ? std::string(api::kNpy.media_type) + ", image/tiff, " : "") +
-                       (operation.takes_candidates ? "text/csv, " : "") +
-                       "multipart/form-data, or that of a mesh, such as model/obj, not " + type);
+                       "multipart/form-data, or that of a mesh, such as model/obj, not " + type +
+                       (operation.takes_candidates ? "; with candidates=body also text/csv" : ""));
 }
 
 bool holds_shapefile(const Operation& operation, const ComputeRequest& request) {

@@ -721,7 +721,7 @@ class Statuses(ContractCase):
     def test_in_the_source_are_documented(self):
         source = "".join(file.read_text() for file in SERVER.rglob("*.cpp"))
         errors = set(re.findall(r"(?:\b(?:problem|busy)\(|\bProblem\{|\? )([45]\d\d)\b", source))
-        errors |= set(re.findall(r"return ([45]\d\d);", (SERVER / "http" / "problem.cpp").read_text()))
+        errors |= set(re.findall(r"return ([45]\d\d);", (ROOT / "api" / "problem.cpp").read_text()))
         self.assertGreater(len(errors), 15)
         documented = {status for _, _, operation in operations() for status in operation["responses"]}
         for status in ("4XX", "5XX"):
