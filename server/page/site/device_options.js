@@ -3,8 +3,9 @@
 
 import { capabilities } from "./api.js";
 import { fields as halftoneFields, gravity, moreFields as moreHalftoneFields } from "./halftone_options.js";
+import { printFields } from "./print_options.js";
 
-const shared = (name) => [...moreHalftoneFields, ...halftoneFields].find((field) => field.name === name);
+const shared = (name) => [...printFields, ...moreHalftoneFields, ...halftoneFields].find((field) => field.name === name);
 
 const { types, formats } = capabilities.halftone.devices;
 export { formats, types };
