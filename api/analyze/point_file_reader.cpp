@@ -31,8 +31,7 @@ Result<std::vector<Point3>> read_point_file3(std::string_view file, const Limits
 bool is_point_file3(std::string_view file) {
     file = without_byte_order_mark(file);
     if (is_ply(file)) return true;
-    const auto start = trim(file, " \t\r\n\x1E");
-    if (is_npy(file) || start.starts_with('{') || start.starts_with('[')) return false;
+    if (is_npy(file) || begins_like_json(file, " \t\r\n\x1E")) return false;
     CsvReader reader(file, CsvReader::find_separator(file));
     return reader.next() && std::ranges::find(reader.fields(), "z") != reader.fields().end();
 }

@@ -80,7 +80,7 @@ struct DrawingOptions {
     bool has_turns() const { return style == DotStyle::Circles || style == DotStyle::Spiral; }
 };
 
-/// What messages say about options that need DrawingOptions::has_width().
+/// End of messages about options that need DrawingOptions::has_width().
 inline constexpr std::string_view kNeedsWidth = "needs width_mm or paper, which give the drawing a size in millimetres";
 
 /// Returns the name of a style, as the option `style` gives it.

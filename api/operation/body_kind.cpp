@@ -22,17 +22,17 @@ constexpr std::string_view kOfSample =
     "voxels (NPY or TIFF), and with candidates=body points (CSV, GeoJSON, NPY or PLY)";
 
 /// Whether a body may be meant as JSON. JSON in UTF-16 is not.
-bool begins_like_json(std::string_view body) {
+bool may_be_json(std::string_view body) {
     constexpr std::size_t kFirst = 4;
-    const auto start = trim(without_byte_order_mark(body), " \t\r\n\x1E");
-    return (start.starts_with('{') || start.starts_with('[')) && body.substr(0, kFirst).find('\0') == body.npos;
+    return begins_like_json(without_byte_order_mark(body), " \t\r\n\x1E") &&
+           body.substr(0, kFirst).find('\0') == body.npos;
 }
 
 std::string kind_of_whole_body(std::string_view body) {
     if (const auto image = recognise_image(body)) return "a picture (" + std::string(name_of(*image)) + ')';
     if (const auto mesh = recognise_surface(body)) return "a mesh (" + std::string(name_of(*mesh)) + ')';
     if (is_npy(body)) return "a NumPy array";
-    if (begins_like_json(body)) return "JSON";
+    if (may_be_json(body)) return "JSON";
     const std::string_view kind = kind_of_file(body);
     return kind.empty() ? "binary data of an unknown kind" : std::string(kind);
 }
@@ -72,7 +72,7 @@ tl::unexpected<Error> wrong_body(std::string_view kind, std::string_view accepte
 }
 
 tl::unexpected<Error> not_json(std::string_view body, const Error& error, std::string_view accepted) {
-    if (error.code != ErrorCode::Malformed || begins_like_json(body)) return tl::unexpected(error);
+    if (error.code != ErrorCode::Malformed || may_be_json(body)) return tl::unexpected(error);
     return wrong_body(kind_of_body(body), accepted);
 }
 

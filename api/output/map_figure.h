@@ -26,7 +26,7 @@ struct LegendEntry {
     Point at;                      ///< left end of the baseline, in the units of the points
 };
 
-/// What a map has besides its dots. Lengths are in the units of the points.
+/// Outlines and legend of a map, without its dots. Lengths are in the units of the points.
 struct MapFigure {
     std::function<void(const LineSink&)> outlines;  ///< traces the borders of the features; null: the map has none
     double line_width = 0;                          ///< of outlines

@@ -50,11 +50,6 @@ tl::unexpected<Error> no_column(std::string_view name, std::span<const std::stri
                    std::string(name));
 }
 
-bool begins_like_json(std::string_view file) {
-    const auto start = trim(file, kBlanks);
-    return start.starts_with('{') || start.starts_with('[');
-}
-
 /// Collects points in a table.
 class TableBuilder {
 public:
@@ -437,7 +432,7 @@ Result<PointTable> read_point_table(std::string_view file, const PointColumns& c
     } else if (is_ply(content)) {
         table.kind = PointFileKind::Ply;
         read = read_ply(content, columns, limits, table);
-    } else if (begins_like_json(content)) {
+    } else if (begins_like_json(content, kBlanks)) {
         read = read_json(content, columns, limits, table);
     } else {
         const std::string_view kind = recognise_image(content) ? "a picture" : kind_of_file(content);

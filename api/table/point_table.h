@@ -29,7 +29,7 @@ enum class PointFileKind : std::uint8_t {
     Json,          ///< list of positions, or a geometry of GeoJSON
 };
 
-/// What is read of the records of a file.
+/// Columns that are read of the records of a file.
 struct PointColumns {
     /// Names of the columns with the coordinates x, y and z. An empty name stands for x, y or z or, in CSV, common
     /// names of longitudes and latitudes. In NPY, columns are named by their number, from 0. GeoJSON has no such names.

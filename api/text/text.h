@@ -18,6 +18,13 @@ inline std::string_view trim(std::string_view text, std::string_view blanks = " 
     return text.substr(first, text.find_last_not_of(blanks) - first + 1);
 }
 
+/// Whether a text may be meant as JSON: it begins with an object or an array.
+/// @param blanks  characters that may precede
+inline bool begins_like_json(std::string_view text, std::string_view blanks = " \t\r\n") {
+    const auto start = trim(text, blanks);
+    return start.starts_with('{') || start.starts_with('[');
+}
+
 /// Removes from `text` the part before the first separator, and the separator. Returns this part. If there is no
 /// separator, the part is the whole text.
 inline std::string_view take_until(std::string_view& text, std::string_view separator) {

@@ -28,11 +28,6 @@
 namespace ccdt::server {
 namespace {
 
-bool begins_like_json(std::string_view text) {
-    const auto start = api::trim(text, " \t\r\n");
-    return start.starts_with('{') || start.starts_with('[');
-}
-
 /// Whether a file may be a binary STL: the number at the position of the number of facets is within the largest limit.
 /// @param head  the first 84 bytes or more
 bool may_be_binary_stl(std::string_view head) {
@@ -56,7 +51,7 @@ Result<void> append_value(std::string& body, const Arguments::Given& given) {
         body += value;
         return {};
     }
-    if (option->takes_json && begins_like_json(value)) {
+    if (option->takes_json && api::begins_like_json(value)) {
         if (const auto parsed = api::JsonDocument::parse(value); !parsed)
             return failure(parsed.error().code, with_subject(option->member, parsed.error().message), option->member);
         body += value;
@@ -110,7 +105,7 @@ const std::string* find_mesh(const Arguments& arguments) {
 /// @param otherwise  the result if the option is absent or a word
 bool is_in_space(const Arguments& arguments, bool otherwise) {
     const std::string* const domain = arguments.find("domain");
-    if (domain == nullptr || !begins_like_json(*domain)) return otherwise;
+    if (domain == nullptr || !api::begins_like_json(*domain)) return otherwise;
     const auto parsed = api::JsonDocument::parse(*domain);
     return parsed && api::is_box(parsed->root());
 }
@@ -170,7 +165,7 @@ Result<ApiRequest> build_request(const Command& command, const Arguments& argume
 }
 
 Result<bool> set_output(const Command& command, const api::FileFormat& format, bool is_split, std::string& input) {
-    if (command.name != "sample" || !begins_like_json(input)) return false;
+    if (command.name != "sample" || !api::begins_like_json(input)) return false;
     const auto parsed = api::JsonDocument::parse(input);
     if (!parsed || !parsed->root().is_object() || !api::kind_of_json(parsed->root()).empty()) return false;
     const auto given = parsed->root().find("format");
@@ -196,7 +191,7 @@ Result<bool> set_output(const Command& command, const api::FileFormat& format, b
 }
 
 std::size_t parsing_memory(std::string_view input) {
-    return begins_like_json(input) ? api::cost_of_parsing(input).memory : 0;
+    return api::begins_like_json(input) ? api::cost_of_parsing(input).memory : 0;
 }
 
 Result<api::ParsedPointer> parse_request(const Command& command, const ApiRequest& request, const api::Limits& limits) {
@@ -234,7 +229,7 @@ Result<void> read_value_files(Arguments& arguments) {
     const bool in_space = is_in_space(arguments, arguments.find("domain") != nullptr);
     for (std::string* const value : files) {
         const bool is_kept =
-            begins_like_json(*value) || api::is_npy(*value) || (in_space && api::is_voxel_file(*value));
+            api::begins_like_json(*value) || api::is_npy(*value) || (in_space && api::is_voxel_file(*value));
         if (!is_kept) *value = R"({"image":")" + api::base64(*value) + R"("})";
     }
     return {};

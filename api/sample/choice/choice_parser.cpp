@@ -326,15 +326,14 @@ Result<void> read_file(std::string_view file, const Limits& limits, Draft& draft
     auto table = read_point_table(file, columns, limits);
     if (!table) {
         // The option that names the column.
-        const auto named = [&](const std::string& name) { return !name.empty() && name == table.error().field; };
-        table.error().field = named(draft.axes[0])    ? "x"
-                              : named(draft.axes[1])  ? "y"
-                              : named(draft.axes[2])  ? "z"
-                              : named(draft.density)  ? "density"
-                              : named(draft.priority) ? "priority"
-                              : named(draft.kept)     ? "keep"
-                              : named(draft.label)    ? "classes"
-                                                      : table.error().field;
+        const std::pair<std::string_view, const std::string&> options[] = {
+            {"x", draft.axes[0]},         {"y", draft.axes[1]}, {"z", draft.axes[2]},    {"density", draft.density},
+            {"priority", draft.priority}, {"keep", draft.kept}, {"classes", draft.label}};
+        for (const auto& [option, column] : options) {
+            if (column.empty() || column != table.error().field) continue;
+            table.error().field = option;
+            break;
+        }
         return tl::unexpected(table.error());
     }
     if (auto taken = take_columns(draft, *table, file); !taken) return taken;

@@ -24,7 +24,7 @@ namespace {
 constexpr std::array<Colour, kMaxInks> kColours = {
     {{0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {204, 121, 167}, {230, 159, 0}, {86, 180, 233}}};
 
-/// What a drawing shows besides points.
+/// Parts of a drawing besides points.
 struct MapStyle {
     bool is_map = false, outlines = false, legend = false;
 };
